@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geoswarm.solver.answer import Answer, planned
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, message_of
 from geoswarm.solver.methods.base import Task
@@ -19,7 +20,7 @@ from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
 from geoswarm.solver.offer import Offer
 from geoswarm.solver.problem import Problem, Stopping
-from geoswarm.solver.problem.running import Failures
+from geoswarm.solver.problem.running import SHARE_OF_SEARCH, Failures
 from geoswarm.solver.progress import Best, Progress, Step
 from geoswarm.solver.search import Runs, Search, WideSearch
 from geoswarm.solver.space import search_space
@@ -187,7 +188,12 @@ class Calibration:
     @property
     def accelerated(self) -> bool:
         """Whether the search learns from all runs so far: then :meth:`advance` needs them."""
-        return self.problem.method.learns
+        return self.problem.method.learns or self.answers
+
+    @property
+    def answers(self) -> bool:
+        """Whether the runs that the result needs follow the search."""
+        return self.problem.answers
 
     def advance(
         self,
@@ -216,9 +222,12 @@ class Calibration:
             State of the engine; decides the size of the next generation with ``particles: auto``.
         """
         method, criteria = self.problem.method, self.criteria if criteria is None else criteria
+        limits, criteria = criteria, self._of_search(criteria)
         if self.accelerated and runs is None:
             raise ValueError("an accelerated search needs the runs so far")
         told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
+        if progress.answer is not None:
+            return self._go_on_answering(progress, progress.answer, told, runs, limits, seconds)
         search = self._maker.restore(progress.snapshot)
         evaluations = progress.evaluations + len(objectives)
         lengths = (*progress.lengths, *(s for s in situation.lengths if s > 0.0)) if situation else progress.lengths
@@ -237,7 +246,7 @@ class Calibration:
         positions, ahead = self._positions(search), _ahead(search)
         new = [p for p in ((positions, ahead) if progress.ahead is None else (ahead,)) if p is not None]
         step = Progress(
-            generation=search.generation,
+            generation=progress.generation + 1,
             positions=positions,
             evaluations=evaluations,
             failed=progress.failed + objectives.count(None),
@@ -263,7 +272,73 @@ class Calibration:
             # Of a follow-up nothing else counts: nobody set its number of evaluations.
             others = () if method.role == "follow_up" else reasons
             reasons = (own, *(r for r in others if r != MaxEvaluations.reason))
-        return Step(step, reasons)
+        return (self._answer(step, reasons, limits) if reasons else None) or Step(step, reasons)
+
+    def _of_search(self, criteria: Sequence[StopCriterion]) -> Sequence[StopCriterion]:
+        """Criteria of a search that leaves a part of its evaluations and time to the runs after it."""
+        if not self.answers:
+            return criteria
+        answer, free = self.problem.answer, self.space.dimension
+        kept: list[StopCriterion] = []
+        for criterion in criteria:
+            if isinstance(criterion, MaxEvaluations):
+                criterion = MaxEvaluations(criterion.limit - answer.share_of(criterion.limit, free))
+            elif isinstance(criterion, MaxSeconds):
+                criterion = MaxSeconds(criterion.limit * SHARE_OF_SEARCH)
+            kept.append(criterion)
+        return kept
+
+    def _answer(self, ended: Progress, reasons: tuple[str, ...], limits: Sequence[StopCriterion]) -> Step | None:
+        """Begin the runs that the result needs, where the search has found something and there is room for them."""
+        best = ended.best
+        if best is None or not self.answers:
+            return None
+        most, left = self.problem.answer.most(self.space.dimension, ended.evaluations), _left(limits, ended.evaluations)
+        most = most if left is None else min(most, left)
+        runs = planned(self.space, best.parameters)
+        positions = runs.ask()
+        if positions is None or len(positions) > most:
+            return None
+        answer = Answer(
+            best.parameters,
+            best.objective,
+            ended.generation,
+            ended.evaluations,
+            most,
+            reasons,
+            ended.to_json(),
+            runs.snapshot(),
+        )
+        return Step(replace(ended, positions=positions, ahead=None, ahead_begun=False, answer=answer), ())
+
+    def _go_on_answering(
+        self,
+        progress: Progress,
+        answer: Answer,
+        objectives: FloatArray,
+        runs: Runs | None,
+        limits: Sequence[StopCriterion],
+        seconds: float,
+    ) -> Step:
+        """Close a generation after the search: the point that a descent has tried may be the new best one."""
+        due = answer.runs(self.space)
+        best = progress.best
+        if due.descending and best is not None and objectives[0] < best.objective:
+            best = Best(float(objectives[0]), progress.generation, 0, progress.positions[0].copy())
+        due.tell(objectives, runs)
+        evaluations, positions = progress.evaluations + len(objectives), self._positions(due)
+        after = replace(
+            progress,
+            generation=progress.generation + 1,
+            positions=positions,
+            evaluations=evaluations,
+            failed=progress.failed + int(np.isinf(objectives).sum()),
+            best=best,
+            answer=answer.after(due),
+        )
+        time_over = any(isinstance(one, MaxSeconds) and seconds >= one.limit for one in limits)
+        over = not len(positions) or evaluations + len(positions) > answer.evaluations + answer.most or time_over
+        return Step(after, answer.reasons if over else ())
 
     def _widths(
         self, before: tuple[tuple[int, int, int], ...], new: Sequence[FloatArray], *, overlapping: bool

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.search import Snapshot
@@ -54,6 +55,8 @@ class Progress:
         generations of that kind followed each other, up to the last one that was asked for.
     lengths
         There, too: what the last runs took [s].
+    answer
+        The runs after the search, once they have begun.
     """
 
     generation: int
@@ -68,6 +71,15 @@ class Progress:
     lowered_at: int = 0
     widths: tuple[tuple[int, int, int], ...] = ()
     lengths: tuple[float, ...] = ()
+    answer: Answer | None = None
+
+    def going_on(self) -> Progress:
+        """Return the search after its answer: it asks for what it would have asked for, and knows the best of all."""
+        if self.answer is None:
+            return self
+        search = Progress.from_json(self.answer.search)
+        counted = {"generation": self.generation, "evaluations": self.evaluations, "failed": self.failed}
+        return replace(search, **counted, best=self.best)
 
     def stagnant(self, method: Method) -> int:
         """Generations without a lower objective; where their size follows the slots, of ten runs each at least."""
@@ -82,6 +94,8 @@ class Progress:
         more |= {"widths": list(self.widths), "lengths": list(self.lengths)}
         if self.ahead is not None:
             more["ahead"] = self.ahead.tolist()
+        if self.answer is not None:
+            more["answer"] = asdict(self.answer) | {"start": self.answer.start.tolist()}
         return {name: value for name, value in more.items() if value} | {
             "generation": self.generation,
             "positions": self.positions.tolist(),
@@ -101,11 +115,15 @@ class Progress:
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Progress:
         """Restore from :meth:`to_json`."""
-        best, ahead = data["best"], data.get("ahead")
+        best, ahead, answer = data["best"], data.get("ahead"), data.get("answer")
+        if answer is not None:
+            read = {"start": np.array(answer["start"], dtype=np.float64), "reasons": tuple(answer["reasons"])}
+            answer = Answer(**{**answer, **read})
         return cls(
             **{**data, "positions": np.array(data["positions"], dtype=np.float64)}
             | {"best": best and Best(**{**best, "parameters": np.array(best["parameters"], dtype=np.float64)})}
             | {
+                "answer": answer,
                 "ahead": None if ahead is None else np.array(ahead, dtype=np.float64),
                 "widths": tuple((n, a, count) for n, a, count in data.get("widths", ())),
                 "lengths": tuple(data.get("lengths", ())),

@@ -37,7 +37,7 @@ from geoswarm.solver.problem.parameters import (
 )
 from geoswarm.solver.problem.points import Points, read_points
 from geoswarm.solver.problem.problem import Problem
-from geoswarm.solver.problem.running import Failures, Limits
+from geoswarm.solver.problem.running import Answering, Failures, Limits
 from geoswarm.solver.problem.sections import (
     PARAMETER_FORMS,
     ParameterSection,
@@ -145,10 +145,11 @@ class _Assembly:
         self._check_stopping(method, stopping)
         limits = self._validated(Limits, self.document.get("limits", {}), "limits")
         failures = self._validated(Failures, self.document.get("failures", {}), "failures")
+        answer = self._validated(Answering, self.document.get("answer", {}), "answer")
         index = self.document.get("index_properties")
         known = None if index is None else self._validated(IndexSection, index, "index_properties")
         warm_start = self._warm_start(method)
-        if self.issues or not (settings and spec and model and method and stopping and limits and failures):
+        if self.issues or not (settings and spec and model and method and stopping and limits and failures and answer):
             raise ProblemError(self._sorted_issues())
         problem = Problem(
             name=settings.name,
@@ -163,6 +164,7 @@ class _Assembly:
             weighting=settings.weighting,
             limits=limits,
             failures=failures,
+            answer=answer,
             warm_start=warm_start,
             priority=settings.priority,
             index_properties=known,

@@ -20,7 +20,7 @@ from geoswarm.solver.problem.parameters import (
     link_order,
     outside_limits,
 )
-from geoswarm.solver.problem.running import Failures, Limits
+from geoswarm.solver.problem.running import Answering, Failures, Limits
 from geoswarm.solver.problem.sections import Stopping
 from geoswarm.solver.problem.weighting import Weighting
 
@@ -58,6 +58,8 @@ class Problem:
         What one evaluation may use, what happens when it fails, and the job's rank among others.
     index_properties
         Index properties of the soil, if known; they are not used in the calibration.
+    answer
+        The runs after a search that its result needs.
     accept
         Series whose readings are meant as they are, whatever their size.
 
@@ -88,6 +90,7 @@ class Problem:
     priority: int = 0
     index_properties: IndexSection | None = None
     accept: tuple[str, ...] = ()
+    answer: Answering = field(default_factory=Answering)
     free: tuple[FreeParameter, ...] = field(init=False)
     free_names: tuple[str, ...] = field(init=False)
     _template: dict[str, float] = field(init=False, repr=False)
@@ -111,6 +114,14 @@ class Problem:
         }
         for name, value in derived.items():
             object.__setattr__(self, name, value)
+
+    @property
+    def answers(self) -> bool:
+        """Whether the runs that its result needs follow the search; ``auto``: where a search keeps residuals."""
+        wanted = self.answer.max_evaluations
+        if self.method.role != "search" or wanted == "off" or (wanted == "auto" and not self.method.learns):
+            return False
+        return sum(int((o.point_weights > 0).sum()) for o in self.observations if o.weight > 0) >= len(self.free)
 
     @property
     def planned_evaluations(self) -> int | None:
@@ -178,7 +189,8 @@ class Problem:
             document["accept"] = list(self.accept)
         if self.seed is not None:
             document["seed"] = self.seed
-        for name in ("limits", "failures"):  # left out when there is nothing in them: older programs read it, too
+        # left out when there is nothing in them: older programs read it, too
+        for name in ("limits", "failures", "answer"):
             section = getattr(self, name).model_dump(mode="json", exclude_defaults=True)
             if section:
                 document[name] = section

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from geoswarm.solver.errors import FailureReason
 
-__all__ = ["DEFAULT_RETRIES", "Failures", "Limits", "Policy", "fatal_message"]
+__all__ = ["DEFAULT_RETRIES", "SHARE_OF_SEARCH", "Answering", "Failures", "Limits", "Policy", "fatal_message"]
 
 Policy: TypeAlias = Literal["penalise", "fail"]
 
@@ -55,6 +55,33 @@ class Failures(BaseModel):
         """Whether a failure for this reason, without retries left, ends the job."""
         given: Mapping[Any, Policy] | Policy = self.policy
         return (given if isinstance(given, str) else given.get(reason)) == "fail"
+
+
+SHARE_OF_SEARCH = 0.75
+"""Part of the evaluations and the time of a job that its search may take at least, where it is followed by others."""
+
+
+class Answering(BaseModel):
+    """The runs after a search that its result needs: down to the minimum, and the sensitivities there."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    max_evaluations: Annotated[int, Field(ge=1)] | Literal["auto", "off"] = Field(
+        "auto",
+        description="largest number of runs after the search, for minimum and intervals; auto: a third of those of the "
+        "search, or five for each free parameter if that is more; off: none",
+    )
+
+    def most(self, free: int, search: int) -> int:
+        """Return the largest number of runs after a search of so many evaluations."""
+        if self.max_evaluations == "auto":
+            return max(search // 3, 5 * free)
+        return 0 if self.max_evaluations == "off" else self.max_evaluations
+
+    def share_of(self, limit: int, free: int) -> int:
+        """Return how many of so many evaluations of a job its search leaves to the runs after it."""
+        wanted = 5 * free if self.max_evaluations == "auto" else self.most(free, 0)
+        return min(wanted, limit - int(SHARE_OF_SEARCH * limit))
 
 
 def fatal_message(generation: int, particle: int, reason: str, message: str | None) -> str:

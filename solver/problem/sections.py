@@ -13,7 +13,7 @@ from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
 from geoswarm.solver.methods.registry import built_in_methods
 from geoswarm.solver.problem.observation_section import ObservationSection
-from geoswarm.solver.problem.running import Failures, Limits
+from geoswarm.solver.problem.running import Answering, Failures, Limits
 from geoswarm.solver.problem.weighting import Weighting
 from geoswarm.solver.section import Section
 
@@ -150,6 +150,7 @@ class ProblemFile(Settings):
     stopping: Stopping = Field(default=Stopping(), description="when to stop; a particle swarm needs one criterion")
     limits: Limits = Field(default=Limits(), description="what one evaluation may use")
     failures: Failures = Field(default=Failures(), description="what happens when an evaluation fails")
+    answer: Answering = Field(default=Answering(), description="the runs after a search that its result needs")
     index_properties: IndexSection | None = Field(
         None, description="of the soil: correlations then suggest values of the parameters"
     )

@@ -189,6 +189,8 @@ def calibrate(
                 on_generation(records[-1])
             if step.stop_reasons:
                 break
+            if progress.answer is None and step.progress.answer is not None:
+                under_way.drop(step.progress.generation)
             progress = step.progress
     return _result(problem, seed, step.progress, step.stop_reasons, history, records, time.monotonic() - began)
 

@@ -54,6 +54,11 @@ class UnderWay:
         results: Results = self._begin(np.array(missing)) if missing else list
         self._generations[generation] = keys, [*recalled, *new], results
 
+    def drop(self, generation: int) -> None:
+        """Forget a generation that was asked ahead: another one takes its place."""
+        if generation in self._generations:
+            self.results(generation)
+
     def results(self, generation: int) -> list[Evaluation]:
         """Wait for the first generation in progress; return its evaluations in particle order.
 

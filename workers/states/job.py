@@ -287,11 +287,13 @@ def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) ->
         RecordGeneration(record),
         PublishEvent("generation", _generation_data(record)),
     )
+    answering = progress.answer is None and step.progress.answer is not None
+    begun = progress.ahead_begun
+    if begun and (step.stop_reasons or answering):
+        done, begun = (*done, DropGeneration(step.progress.generation)), False
     if not step.stop_reasons:
-        return Transition(after, (*done, *_dispatch(step.progress, begun=progress.ahead_begun), RingDoorbell()))
+        return Transition(after, (*done, *_dispatch(step.progress, begun=begun), RingDoorbell()))
     after = replace(after, progress=replace(step.progress, ahead_begun=False))
-    if progress.ahead_begun:
-        done = (*done, DropGeneration(step.progress.generation))
     if step.progress.best is None:
         error = no_success_message(Counter(after.failures), after.first_message)
         ended = _end(replace(after, error=error), "failed")
@@ -307,7 +309,8 @@ def _go_on(job: Job) -> Transition:
     after = replace(job, state="running", stop_reasons=(), error=None)
     if job.state == "cancelled":
         return _move(after, RingDoorbell())
-    return _move(after, *_dispatch(job.progress), RingDoorbell())
+    after = replace(after, progress=job.progress.going_on())
+    return _move(after, *_dispatch(job.progress.going_on()), RingDoorbell())
 
 
 def _dispatch(progress: Progress, *, begun: bool = False) -> list[DispatchGeneration]:
