@@ -62,4 +62,4 @@ class Answer:
 
 def planned(space: SearchSpace, start: FloatArray, snapshot: Snapshot | None = None) -> SensitivitySearch:
     """Return the runs from a point, natural values, shape (d,): a descent, differences, and ends of intervals."""
-    return SensitivitySearch(space, SensitivitySettings(start, None, polish=True), snapshot)
+    return SensitivitySearch(space, SensitivitySettings(start, None, polish=True, beside_noise=True), snapshot)

@@ -161,8 +161,10 @@ class Samples:
 
     @classmethod
     def from_result(cls, problem: Problem, result: CalibrationResult) -> Samples:
-        """Take the history of an in-process run."""
-        return cls.from_history(problem, result.history)
+        """Take the history of the search of an in-process run."""
+        answer = result.answer
+        searched = [one for one in result.history if answer is None or one.generation < answer.generation]
+        return cls.from_history(problem, searched)
 
     @classmethod
     def merge(cls, parts: Sequence[Samples]) -> Samples:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
 from geoswarm.solver.errors import Issue, ProblemError
@@ -68,7 +69,8 @@ class GenerationRecord:
 class CalibrationResult:
     """Outcome of a calibration with its whole history.
 
-    ``state`` is ``failed`` when no evaluation succeeded; ``error`` then counts the reasons.
+    ``state`` is ``failed`` when no evaluation succeeded; ``error`` then counts the reasons. ``answer``: where the runs
+    after the search began, if there were any; their evaluations are in the history.
     """
 
     state: Literal["finished", "failed"]
@@ -86,6 +88,7 @@ class CalibrationResult:
     error: str | None
     history: list[EvaluationRecord] = field(repr=False)
     generation_records: list[GenerationRecord] = field(repr=False)
+    answer: Answer | None = field(default=None, repr=False)
 
     def _repr_html_(self) -> str:
         """Show the result in a notebook."""
@@ -258,4 +261,5 @@ def _result(
         error=error,
         history=history,
         generation_records=records,
+        answer=after.answer,
     )

@@ -14,6 +14,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from geoswarm.solver.answer import planned
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
@@ -40,10 +41,12 @@ from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.search import Runs
+from geoswarm.solver.search.descent.planned import SensitivitySearch
 
 __all__ = [
     "NO_FINDINGS",
     "Findings",
+    "answer_of",
     "findings_of",
     "follow_up_of",
     "global_problem",
@@ -276,7 +279,36 @@ def _sensitivity(
     noise: Mapping[str, float] | float | None,
     level: float,
 ) -> Findings:
-    search = method.search(calibration.space)
+    return _of_sensitivities(method.search(calibration.space), calibration, evaluations, noise, level)
+
+
+def answer_of(
+    calibration: Calibration,
+    start: FloatArray,
+    evaluations: Sequence[Evaluation],
+    *,
+    noise: Mapping[str, float] | float | None = None,
+    level: float = 0.95,
+) -> Findings:
+    """Read the evaluations after a search, finished or not.
+
+    Parameters
+    ----------
+    start
+        Where they began, see :class:`geoswarm.solver.answer.Answer`.
+    evaluations, noise
+        As for :func:`findings_of`.
+    """
+    return _of_sensitivities(planned(calibration.space, start), calibration, evaluations, noise, level)
+
+
+def _of_sensitivities(
+    search: SensitivitySearch,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+    level: float,
+) -> Findings:
     start = evaluations[0].objective if evaluations else None
     position = first = last_difference = 0
     while (due := search.ask()) is not None:

@@ -26,7 +26,7 @@ from geoswarm.solver.identifiability.optimum.bending import likelihood_intervals
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.hidden import Unseen
 from geoswarm.solver.identifiability.optimum.polish import Polished, polish
-from geoswarm.solver.identifiability.stored.findings import follow_up_of
+from geoswarm.solver.identifiability.stored.findings import answer_of, follow_up_of
 from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.document.content import Content, report_content
@@ -204,11 +204,16 @@ def report_of_result(
     optimum. noise
         Known standard deviation of a reading, base units; that of the problem file when absent.
     """
-    samples = Samples.from_result(problem, result)
+    samples, record = Samples.from_result(problem, result), record_of_result(problem, result)
+    if result.answer is not None and linearise is None:
+        after = [one.evaluation for one in result.history if one.generation >= result.answer.generation]
+        findings = answer_of(Calibration(problem, result.seed), result.answer.start, after, noise=noise)
+        if findings.linearisation is not None:
+            uncertainty = Uncertainty(findings)
+            return Report(problem, record, samples, threshold=threshold, noise=noise, uncertainty=uncertainty)
     wanted = problem.method.role == "search" if linearise is None else linearise
     found = linearise_here(problem, samples, result.seed, noise=noise) if wanted and samples.size else None
     stored = linearise_stored(problem, samples, result.seed, noise=noise) if wanted and found is None else None
-    record = record_of_result(problem, result)
     return Report(problem, record, samples, threshold=threshold, optimum=found, linearisation=stored, noise=noise)
 
 
