@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from geoswarm.solver.search.base import Snapshot
-from geoswarm.solver.search.descent.planned import SensitivitySearch, SensitivitySettings
+from geoswarm.solver.search.descent.minimum import MinimumSearch
 
 if TYPE_CHECKING:
     from geoswarm.solver.arrays import FloatArray
     from geoswarm.solver.search.space import SearchSpace
 
-__all__ = ["Answer", "planned"]
+__all__ = ["Answer"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,15 +51,10 @@ class Answer:
     search: Mapping[str, Any]
     snapshot: Snapshot
 
-    def runs(self, space: SearchSpace) -> SensitivitySearch:
+    def runs(self, space: SearchSpace) -> MinimumSearch:
         """Return the planned runs in their state."""
-        return planned(space, self.start, self.snapshot)
+        return MinimumSearch(space, self.start, self.most, self.snapshot)
 
-    def after(self, runs: SensitivitySearch) -> Answer:
+    def after(self, runs: MinimumSearch) -> Answer:
         """Return the state after a generation."""
         return replace(self, snapshot=runs.snapshot())
-
-
-def planned(space: SearchSpace, start: FloatArray, snapshot: Snapshot | None = None) -> SensitivitySearch:
-    """Return the runs from a point, natural values, shape (d,): a descent, differences, and ends of intervals."""
-    return SensitivitySearch(space, SensitivitySettings(start, None, polish=True, beside_noise=True), snapshot)

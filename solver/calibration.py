@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geoswarm.solver.answer import Answer, planned
+from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, message_of
 from geoswarm.solver.methods.base import Task
@@ -23,6 +23,7 @@ from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import SHARE_OF_SEARCH, Failures
 from geoswarm.solver.progress import Best, Progress, Step
 from geoswarm.solver.search import Runs, Search, WideSearch
+from geoswarm.solver.search.descent.minimum import MinimumSearch
 from geoswarm.solver.space import search_space
 from geoswarm.solver.stopping import (
     MaxEvaluations,
@@ -295,9 +296,9 @@ class Calibration:
             return None
         most, left = self.problem.answer.most(self.space.dimension, ended.evaluations), _left(limits, ended.evaluations)
         most = most if left is None else min(most, left)
-        runs = planned(self.space, best.parameters)
+        runs = MinimumSearch(self.space, best.parameters, most)
         positions = runs.ask()
-        if positions is None or len(positions) > most:
+        if positions is None:
             return None
         answer = Answer(
             best.parameters,
@@ -323,7 +324,7 @@ class Calibration:
         """Close a generation after the search: the point that a descent has tried may be the new best one."""
         due = answer.runs(self.space)
         best = progress.best
-        if due.descending and best is not None and objectives[0] < best.objective:
+        if due.trying and best is not None and objectives[0] < best.objective:
             best = Best(float(objectives[0]), progress.generation, 0, progress.positions[0].copy())
         due.tell(objectives, runs)
         evaluations, positions = progress.evaluations + len(objectives), self._positions(due)
@@ -337,8 +338,7 @@ class Calibration:
             answer=answer.after(due),
         )
         time_over = any(isinstance(one, MaxSeconds) and seconds >= one.limit for one in limits)
-        over = not len(positions) or evaluations + len(positions) > answer.evaluations + answer.most or time_over
-        return Step(after, answer.reasons if over else ())
+        return Step(after, answer.reasons if time_over or not len(positions) else ())
 
     def _widths(
         self, before: tuple[tuple[int, int, int], ...], new: Sequence[FloatArray], *, overlapping: bool

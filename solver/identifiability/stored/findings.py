@@ -8,22 +8,22 @@ evaluations alone give the answer: the plan follows from the problem again.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import singledispatch
 from typing import Any, Literal
 
 import numpy as np
 
-from geoswarm.solver.answer import planned
+from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.optimum.bending import measure_bending, with_profiles
-from geoswarm.solver.identifiability.optimum.differences import residual_rows
+from geoswarm.solver.identifiability.optimum.differences import differentiate, residual_rows
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import Profile, profile_settings, profiles_of
-from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations
+from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations, linearise
 from geoswarm.solver.identifiability.prediction.bands import Prediction, prediction_of
 from geoswarm.solver.identifiability.prediction.question import OWN_KEYS, question_hash
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
@@ -41,7 +41,6 @@ from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.search import Runs
-from geoswarm.solver.search.descent.planned import SensitivitySearch
 
 __all__ = [
     "NO_FINDINGS",
@@ -58,6 +57,9 @@ __all__ = [
 
 _LONGEST_NAME = 200
 _INCOMPLETE = "the sensitivities are not complete yet"
+_TOO_FAR = (
+    "the minimum is too far from the best run of the search for the {} runs after it; give answer.max_evaluations"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,36 +281,7 @@ def _sensitivity(
     noise: Mapping[str, float] | float | None,
     level: float,
 ) -> Findings:
-    return _of_sensitivities(method.search(calibration.space), calibration, evaluations, noise, level)
-
-
-def answer_of(
-    calibration: Calibration,
-    start: FloatArray,
-    evaluations: Sequence[Evaluation],
-    *,
-    noise: Mapping[str, float] | float | None = None,
-    level: float = 0.95,
-) -> Findings:
-    """Read the evaluations after a search, finished or not.
-
-    Parameters
-    ----------
-    start
-        Where they began, see :class:`geoswarm.solver.answer.Answer`.
-    evaluations, noise
-        As for :func:`findings_of`.
-    """
-    return _of_sensitivities(planned(calibration.space, start), calibration, evaluations, noise, level)
-
-
-def _of_sensitivities(
-    search: SensitivitySearch,
-    calibration: Calibration,
-    evaluations: Sequence[Evaluation],
-    noise: Mapping[str, float] | float | None,
-    level: float,
-) -> Findings:
+    search = method.search(calibration.space)
     start = evaluations[0].objective if evaluations else None
     position = first = last_difference = 0
     while (due := search.ask()) is not None:
@@ -336,6 +309,47 @@ def _of_sensitivities(
     if search.ends is not None and position > last_difference:
         found = measure_bending(calibration, found, search.ends, evaluations[last_difference:position])
     return Findings(found, last[0].objective, start, responses=dict(last[0].responses), fit=found.fit)
+
+
+def answer_of(
+    calibration: Calibration,
+    answer: Answer,
+    evaluations: Sequence[Evaluation],
+    *,
+    noise: Mapping[str, float] | float | None = None,
+    level: float = 0.95,
+) -> Findings:
+    """Read the evaluations after a search, finished or not.
+
+    Parameters
+    ----------
+    answer
+        Their state.
+    evaluations, noise
+        As for :func:`findings_of`.
+    """
+    search = answer.runs(calibration.space)
+    if search.differences is None:
+        return Findings(start_objective=answer.objective, notes=(_INCOMPLETE,))
+    steps, first = search.differences
+    told, ends = evaluations[: search.told], search.ends
+    rows = residual_rows(calibration, told)
+    plan, chosen = steps.chosen(rows[first:])
+    walk = search.walk(rows)
+    best = told[walk.row]
+    if walk.far:
+        return Findings(start_objective=answer.objective, notes=(_TOO_FAR.format(answer.most),))
+    try:
+        jacobian = differentiate(calibration, plan, [told[first + row] for row in chosen])
+        there = replace(jacobian, optimum=search.place(walk.row), responses=dict(best.responses))
+        found = linearise(calibration, there, noise=noise, level=level)
+    except StatisticsError as error:
+        if noise is not None:
+            raise
+        return Findings(start_objective=answer.objective, notes=(str(error),))
+    if ends is not None:
+        found = measure_bending(calibration, found, ends, told[-len(ends.positions) :])
+    return Findings(found, best.objective, answer.objective, responses=dict(best.responses), fit=found.fit)
 
 
 @examine.register

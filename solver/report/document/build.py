@@ -207,7 +207,7 @@ def report_of_result(
     samples, record = Samples.from_result(problem, result), record_of_result(problem, result)
     if result.answer is not None and linearise is None:
         after = [one.evaluation for one in result.history if one.generation >= result.answer.generation]
-        findings = answer_of(Calibration(problem, result.seed), result.answer.start, after, noise=noise)
+        findings = answer_of(Calibration(problem, result.seed), result.answer, after, noise=noise)
         if findings.linearisation is not None:
             uncertainty = Uncertainty(findings)
             return Report(problem, record, samples, threshold=threshold, noise=noise, uncertainty=uncertainty)

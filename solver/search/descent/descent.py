@@ -23,7 +23,6 @@ _MOST_ITERATIONS = 40
 _DAMPING = 1e-4
 _MOST_DAMPING = 1e6
 _SMALL_GAIN = 1e-10  # of f: less is not worth a generation
-_LOST_IN_NOISE = 1e-3  # of the variance of the noise: a gain of f of that size is a thirtieth of a standard error
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +39,6 @@ class Descent:
         Of Levenberg-Marquardt.
     finished
         ``current`` is the minimum, or no better point can be found.
-    beside_noise
-        Whether it ends where what is left to gain is small beside the noise, which the residuals show.
     """
 
     trial: FloatArray
@@ -52,7 +49,6 @@ class Descent:
     damping: float = _DAMPING
     iterations: int = 0
     finished: bool = False
-    beside_noise: bool = False
 
     @property
     def best(self) -> FloatArray:
@@ -80,7 +76,7 @@ class Descent:
         if objective is None and self.objective is None:
             return replace(after, finished=True)
         if objective is None or (self.objective is not None and objective >= self.objective):
-            return replace(after, damping=self.damping * 10.0)._next_trial(residuals.shape[1])
+            return replace(after, damping=self.damping * 10.0)._next_trial()
         gain = np.inf if self.objective is None else self.objective - objective
         jacobian = self._jacobian(residuals)
         after = replace(
@@ -91,7 +87,7 @@ class Descent:
             curvature=jacobian.T @ jacobian,
             damping=max(self.damping / 10.0, 1e-14),
         )
-        return replace(after, finished=True) if gain <= _SMALL_GAIN * objective else after._next_trial(len(centre))
+        return replace(after, finished=True) if gain <= _SMALL_GAIN * objective else after._next_trial()
 
     def _jacobian(self, residuals: FloatArray) -> FloatArray:
         """Derivatives per part of the range, shape (m, d); one-sided where a move failed, 0 where both did."""
@@ -105,8 +101,7 @@ class Descent:
             columns.append((residuals[last] - residuals[first]) / apart if apart != 0.0 else zero)
         return np.stack(columns, axis=1)
 
-    def _next_trial(self, count: int) -> Descent:
-        """Go on to the next trial, after one with so many residuals."""
+    def _next_trial(self) -> Descent:
         assert self.current is not None
         assert self.objective is not None
         assert self.gradient is not None
@@ -120,17 +115,13 @@ class Descent:
         trial = np.clip(self.current + step, 0.0, 1.0)
         step = trial - self.current
         predicted = -float(2.0 * gradient @ step + step @ curvature @ step)
-        spare = count - len(self.current)
-        small = max(_SMALL_GAIN, _LOST_IN_NOISE / spare) if self.beside_noise and spare > 0 else _SMALL_GAIN
-        if not predicted > small * self.objective:
+        if not predicted > _SMALL_GAIN * self.objective:
             return replace(self, finished=True)
         return replace(self, trial=trial)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, from which :meth:`from_json` restores exactly."""
-        data = {
-            name: getattr(self, name) for name in ("objective", "damping", "iterations", "finished", "beside_noise")
-        }
+        data = {name: getattr(self, name) for name in ("objective", "damping", "iterations", "finished")}
         return data | {name: _listed(getattr(self, name)) for name in _ARRAYS}
 
     @classmethod

@@ -39,24 +39,13 @@ BLIND_STEP = 0.05
 
 @dataclass(frozen=True, slots=True)
 class SensitivitySettings:
-    """What to evaluate.
-
-    Parameters
-    ----------
-    optimum
-        Shape (d,), natural values.
-    step
-        Largest offset in parts of the range, found where it is None.
-    polish
-        Go to the minimum first.
-    beside_noise
-        End that where what is left to gain is small beside the noise.
+    """The optimum, shape (d,), natural values; largest offset in parts of the range, found where it is None; whether to
+    polish first.
     """
 
     optimum: FloatArray
     step: float | None
     polish: bool = False
-    beside_noise: bool = False
 
 
 class SensitivitySearch:
@@ -71,8 +60,7 @@ class SensitivitySearch:
         self._settings = settings
         self.generation = 0
         self.done = False
-        start = space.to_unit(settings.optimum)
-        self.descent = Descent(start, beside_noise=settings.beside_noise) if settings.polish else None
+        self.descent = Descent(space.to_unit(settings.optimum)) if settings.polish else None
         self.ends: IntervalEnds | None = None
         """Of the linearised intervals, once the steps are found."""
         moves = None

@@ -109,6 +109,10 @@ class StepSearch:
         plan = DifferenceDesign(every.optimum, every.positions[kept], every.parameter[kept], every.offset[kept])
         return plan, kept
 
+    def found(self, residuals: FloatArray) -> Moves:
+        """The best step of each parameter; ``residuals`` as in :meth:`next`."""
+        return [(i, _best(tried).step if tried else FIRST_STEP) for i, tried in enumerate(self._trials(residuals))]
+
     def columns(self, residuals: FloatArray) -> FloatArray:
         """The best derivative of each parameter per range, shape (m, d), nan where there is none."""
         blank = np.full(residuals.shape[1], np.nan)
