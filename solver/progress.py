@@ -78,8 +78,9 @@ class Progress:
         if self.answer is None:
             return self
         search = Progress.from_json(self.answer.search)
-        counted = {"generation": self.generation, "evaluations": self.evaluations, "failed": self.failed}
-        return replace(search, **counted, best=self.best)
+        return replace(
+            search, generation=self.generation, evaluations=self.evaluations, failed=self.failed, best=self.best
+        )
 
     def stagnant(self, method: Method) -> int:
         """Generations without a lower objective; where their size follows the slots, of ten runs each at least."""

@@ -52,10 +52,10 @@ def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
     return [StoredFollowUp(r.id, r.method, r.state, r.evaluations, r.seed, r.problem) for r in rows]
 
 
-def evaluations_in_order(connection: Connection, job_id: str) -> list[Evaluation]:
-    """Return the evaluations by generation and particle, up to the first that has not ended."""
+def evaluations_in_order(connection: Connection, job_id: str, first: int = 0) -> list[Evaluation]:
+    """Return the evaluations from a generation on, by generation and particle, up to the first that has not ended."""
     found: list[Evaluation] = []
-    for row in read_evaluations(connection, job_id, None):
+    for row in read_evaluations(connection, job_id, None, first):
         if row.state not in DONE_STATES:
             break
         found.append(

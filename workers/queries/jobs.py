@@ -51,6 +51,7 @@ __all__ = [
     "get_job",
     "get_frame",
     "get_problem",
+    "get_progress",
     "insert_job",
     "list_events",
     "list_generations",
@@ -285,6 +286,12 @@ def get_problem(connection: Connection, job_id: str) -> Record | None:
     """Return ``problem``, ``seed``, and changed ``stopping`` or None, of a job, as they are stored."""
     columns = (jobs.c.problem, jobs.c.seed, jobs.c.stopping)
     return connection.execute(select(*columns).where(jobs.c.id == job_id)).one_or_none()
+
+
+def get_progress(connection: Connection, job_id: str) -> Progress | None:
+    """Return what the search of a job knows; None before its first generation."""
+    stored = connection.scalar(select(jobs.c.progress).where(jobs.c.id == job_id))
+    return None if stored is None else Progress.from_json(unpack_json(stored))
 
 
 def get_frame(connection: Connection, job_id: str) -> Record | None:

@@ -61,14 +61,19 @@ def chosen_generations(connection: Connection, job: Record, most: int, *, sample
     return sorted({*lowest, *best, *spaced(job.generations, count), max(job.generation, 0)})
 
 
-def read_evaluations(connection: Connection, job_id: str, numbers: Collection[int] | None) -> Iterator[Record]:
-    """Give the evaluations of generations, None: of all, with their responses, in order of generation and particle."""
+def read_evaluations(
+    connection: Connection, job_id: str, numbers: Collection[int] | None, first: int = 0
+) -> Iterator[Record]:
+    """Give the evaluations of generations with their responses, in order of generation and particle.
+
+    ``numbers``: of the generations; None: of all from the ``first`` on.
+    """
     if numbers is not None:
         wanted = sorted(numbers)
         for start in range(0, len(wanted), ROWS_AT_ONCE):
             yield from _chosen(connection, job_id, wanted[start : start + ROWS_AT_ONCE])
     else:
-        yield from _all(connection, job_id)
+        yield from _all(connection, job_id, first)
 
 
 def _chosen(connection: Connection, job_id: str, numbers: Sequence[int]) -> Iterator[Record]:
@@ -89,10 +94,10 @@ def _chosen(connection: Connection, job_id: str, numbers: Sequence[int]) -> Iter
         left = [number for number in left if number > last.generation]
 
 
-def _all(connection: Connection, job_id: str) -> Iterator[Record]:
+def _all(connection: Connection, job_id: str, first: int) -> Iterator[Record]:
     key = (evaluations.c.generation, evaluations.c.particle)
     statement = select(evaluations).where(evaluations.c.job_id == job_id).order_by(*key).limit(ROWS_AT_ONCE)
-    after = (-1, -1)
+    after = (first, -1)
     while True:
         page = connection.execute(statement.where(tuple_(*key) > after)).all()
         yield from page

@@ -11,11 +11,13 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from sqlalchemy import Connection
 
+from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability import Linearisation, Samples, reweight
 from geoswarm.solver.identifiability.stored.findings import (
     Findings,
+    answer_of,
     findings_of,
     follow_up_of,
     join_findings,
@@ -62,11 +64,12 @@ KnownNoise: TypeAlias = Mapping[str, float] | float | None
 
 @dataclass(frozen=True, slots=True)
 class StoredJob:
-    """A job read for its statistics."""
+    """A job read for its statistics; ``answer``: state and evaluations of the runs after its search."""
 
     problem: Problem
     record: RunRecord
     samples: Samples
+    answer: tuple[Answer, list[Evaluation]] | None = None
 
 
 class StatisticsService:
@@ -140,7 +143,7 @@ class StatisticsService:
         return [follow_up for follow_up in found if same_question(problem, follow_up.problem)]
 
     def findings(self, job_id: str, *, noise: KnownNoise = None) -> Findings:
-        """Return what the follow-ups of a job have found; of a follow-up, what it has found itself.
+        """Return what a job has found after its search, and its follow-ups; of a follow-up, what it has found itself.
 
         Raises
         ------
@@ -156,7 +159,10 @@ class StatisticsService:
         def make() -> Findings:
             if follow_up_of(job.problem) is not None:
                 return read(job_id, job.problem, job.record.seed)
-            return join_findings([read(f.id, f.problem, f.seed) for f in self.follow_ups(job_id)])
+            further = [read(f.id, f.problem, f.seed) for f in self.follow_ups(job_id)]
+            if job.answer is not None:
+                further.append(answer_of(Calibration(job.problem, job.record.seed), *job.answer, noise=noise))
+            return join_findings(further)
 
         return self._cache.once((*self._key(job_id), "findings", _hashable(noise)), make)
 
@@ -254,7 +260,10 @@ def _read(connection: Connection, row: Any) -> StoredJob:
     if stored is None:
         raise JobNotFoundError(job_id)
     problem = parse_problem(unpack_problem(stored.problem, stored.stopping))
-    samples, failures = _samples(connection, row, problem)
+    progress = jobs.get_progress(connection, job_id)
+    answer = None if progress is None else progress.answer
+    samples, failures = _samples(connection, row, problem, None if answer is None else answer.generation)
+    after = None if answer is None else (answer, evaluations_in_order(connection, job_id, answer.generation))
     recorded = recorded_versions(row)
     record = RunRecord(
         id=job_id,
@@ -273,10 +282,11 @@ def _read(connection: Connection, row: Any) -> StoredJob:
         versions=recorded[0],
         warnings=version_warnings(recorded),
     )
-    return StoredJob(problem, record, samples)
+    return StoredJob(problem, record, samples, after)
 
 
-def _samples(connection: Connection, row: Any, problem: Problem) -> tuple[Samples, dict[str, int]]:
+def _samples(connection: Connection, row: Any, problem: Problem, end: int | None) -> tuple[Samples, dict[str, int]]:
+    """Successful evaluations and failures of a search, which ends before generation ``end``."""
     series = [observation.series for observation in problem.observations]
     points = sum(observation.x.size for observation in problem.observations)
     most = max(min(MOST_READ, MOST_VALUES // points), 1)
@@ -293,7 +303,8 @@ def _samples(connection: Connection, row: Any, problem: Problem) -> tuple[Sample
         if found.state == "failed":
             failures[found.reason] += 1
         key = (found.generation, found.particle)
-        if found.state != "finished" or (place % every and key != best):
+        searched = end is None or found.generation < end
+        if found.state != "finished" or not searched or (place % every and key != best):
             continue
         places.append(key)
         parameters.append(unpack_array(found.parameters))

@@ -219,6 +219,11 @@ class MinimumSearch:
         return (StepSearch(self._space, state.optimum, known), state.first) if known and state.told else None
 
     @property
+    def generation(self) -> int:
+        """Closed generations."""
+        return self._state.generation
+
+    @property
     def told(self) -> int:
         """Runs of closed generations."""
         return self._state.told
