@@ -1,23 +1,48 @@
 """What follows a search: the runs that its result needs, down to the minimum and around it.
 
-Part of the job, in generations of their own, planned from what is stored; bounded by the section ``answer`` of the
-problem. The search keeps its state, so that a job can go on searching afterwards.
+Part of the job, in generations of their own: one follow-up after the other, planned from what is stored
+(:mod:`geoswarm.solver.answering`) and bounded by the section ``answer`` of the problem. The search keeps its state, so
+that a job can go on searching afterwards.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
+from geoswarm.solver.methods.base import FollowUpMethod
+from geoswarm.solver.methods.registry import find_method
 from geoswarm.solver.search.base import Snapshot
-from geoswarm.solver.search.descent.minimum import MinimumSearch
 
-if TYPE_CHECKING:
-    from geoswarm.solver.arrays import FloatArray
-    from geoswarm.solver.search.space import SearchSpace
+__all__ = ["Answer", "Part"]
 
-__all__ = ["Answer"]
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One follow-up.
+
+    Parameters
+    ----------
+    document
+        Section ``method`` of the follow-up.
+    generation, evaluations
+        Number of its first generation, and evaluations of the job before it.
+    snapshot
+        State of its search.
+    """
+
+    document: Mapping[str, Any]
+    generation: int
+    evaluations: int
+    snapshot: Snapshot
+
+    @property
+    def method(self) -> FollowUpMethod:
+        """The method of the follow-up."""
+        made = find_method(self.document["kind"]).model_validate(self.document)
+        assert isinstance(made, FollowUpMethod)
+        return made
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,35 +51,36 @@ class Answer:
 
     Parameters
     ----------
-    start
-        Where they begin: the best evaluation of the search, shape (d,), natural values.
-    objective
-        f there.
-    generation, evaluations
-        Number of the first generation, and evaluations before it.
     most
         Largest number of evaluations.
+    objective
+        Lowest one of the search.
     reasons
         Why the search ended.
     search
         State of the search with its next generation, as :meth:`geoswarm.solver.progress.Progress.to_json` writes it.
-    snapshot
-        State of these runs.
+    parts
+        Follow-ups so far; the last one goes on.
     """
 
-    start: FloatArray
-    objective: float
-    generation: int
-    evaluations: int
     most: int
+    objective: float
     reasons: tuple[str, ...]
     search: Mapping[str, Any]
-    snapshot: Snapshot
+    parts: tuple[Part, ...] = ()
 
-    def runs(self, space: SearchSpace) -> MinimumSearch:
-        """Return the planned runs in their state."""
-        return MinimumSearch(space, self.start, self.most, self.snapshot)
+    @property
+    def generation(self) -> int:
+        """Number of the first generation."""
+        return self.parts[0].generation
 
-    def after(self, runs: MinimumSearch) -> Answer:
-        """Return the state after a generation."""
-        return replace(self, snapshot=runs.snapshot())
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of the search."""
+        return self.parts[0].evaluations
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Answer:
+        """Restore from the plain values of its fields."""
+        parts = tuple(Part(**part) for part in data["parts"])
+        return cls(**{**data, "reasons": tuple(data["reasons"]), "parts": parts})

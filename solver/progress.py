@@ -96,7 +96,7 @@ class Progress:
         if self.ahead is not None:
             more["ahead"] = self.ahead.tolist()
         if self.answer is not None:
-            more["answer"] = asdict(self.answer) | {"start": self.answer.start.tolist()}
+            more["answer"] = asdict(self.answer)
         return {name: value for name, value in more.items() if value} | {
             "generation": self.generation,
             "positions": self.positions.tolist(),
@@ -117,14 +117,11 @@ class Progress:
     def from_json(cls, data: Mapping[str, Any]) -> Progress:
         """Restore from :meth:`to_json`."""
         best, ahead, answer = data["best"], data.get("ahead"), data.get("answer")
-        if answer is not None:
-            read = {"start": np.array(answer["start"], dtype=np.float64), "reasons": tuple(answer["reasons"])}
-            answer = Answer(**{**answer, **read})
         return cls(
             **{**data, "positions": np.array(data["positions"], dtype=np.float64)}
             | {"best": best and Best(**{**best, "parameters": np.array(best["parameters"], dtype=np.float64)})}
             | {
-                "answer": answer,
+                "answer": answer and Answer.from_json(answer),
                 "ahead": None if ahead is None else np.array(ahead, dtype=np.float64),
                 "widths": tuple((n, a, count) for n, a, count in data.get("widths", ())),
                 "lengths": tuple(data.get("lengths", ())),

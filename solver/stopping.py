@@ -108,3 +108,9 @@ class StagnationGenerations:
 def satisfied_reasons(criteria: Sequence[StopCriterion], status: SwarmStatus) -> tuple[str, ...]:
     """Return the reasons of all satisfied criteria, in their order."""
     return tuple(criterion.reason for criterion in criteria if criterion.satisfied(status))
+
+
+def evaluations_left(criteria: Sequence[StopCriterion], evaluations: int) -> int | None:
+    """Return how many evaluations may follow so many, None: any number."""
+    limits = [criterion.limit - evaluations for criterion in criteria if isinstance(criterion, MaxEvaluations)]
+    return min(limits, default=None)

@@ -13,7 +13,9 @@ from geoswarm.calibration.functions import InProcessWarning, refuse_while_import
 from geoswarm.calibration.problems import Model, Observations, options_of, problem_of
 from geoswarm.calibration.result import Result, lacking_for_reports
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, Progress, Step
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.course import Course
+from geoswarm.solver.progress import Progress, Step
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.python.loading import NOT_IMPORTED
 from geoswarm.solver.plausibility import require_possible
@@ -21,7 +23,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
 from geoswarm.solver.runs.evaluators import WATCHED
 from geoswarm.solver.runs.journal import Keeper
-from geoswarm.solver.runs.local import GenerationRecord
+from geoswarm.solver.runs.result import GenerationRecord
 from geoswarm.solver.runs.local import calibrate as calibrate_problem
 
 if TYPE_CHECKING:
@@ -191,8 +193,8 @@ class _Importable(Keeper):
         self._inner = inner
         self.seconds = inner.seconds
 
-    def start(self, calibration: Calibration, slots: int) -> Progress:
-        return self._inner.start(calibration, slots)
+    def start(self, course: Course, slots: int) -> Progress:
+        return self._inner.start(course, slots)
 
     def recall(self, position: FloatArray) -> Evaluation | None:
         return self._inner.recall(position)

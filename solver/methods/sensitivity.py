@@ -13,6 +13,7 @@ from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task, in
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.search import SearchSpace, Snapshot
+    from geoswarm.solver.search.descent.minimum import MinimumSearch
     from geoswarm.solver.search.descent.planned import SensitivitySearch
 
 __all__ = ["SensitivityMethod"]
@@ -39,6 +40,12 @@ class SensitivityMethod(FollowUpMethod):
     polish: bool = Field(
         False, description="go to the minimum first by Levenberg-Marquardt steps, one generation of 2 d + 1 each"
     )
+    runs: int | None = Field(
+        None,
+        ge=1,
+        description="evaluations at most, with polish: differences first, which give the steps to the minimum, and "
+        "again there if it is far",
+    )
     of: str | None = Field(None, min_length=1, max_length=64, description=OF_JOB)
 
     def planned(self, free: int) -> int | None:
@@ -58,10 +65,13 @@ class SensitivityMethod(FollowUpMethod):
         """Compare the optimum with the parameters."""
         return self.issues_at(self.at, problem)
 
-    def search(self, space: SearchSpace, snapshot: Snapshot | None = None) -> SensitivitySearch:
+    def search(self, space: SearchSpace, snapshot: Snapshot | None = None) -> SensitivitySearch | MinimumSearch:
         """Begin, or go on."""
+        from geoswarm.solver.search.descent.minimum import MinimumSearch
         from geoswarm.solver.search.descent.planned import SensitivitySearch, SensitivitySettings
 
+        if self.polish and self.runs is not None:
+            return MinimumSearch(space, in_order(space, self.at), self.runs, snapshot)
         settings = SensitivitySettings(in_order(space, self.at), self.step, self.polish)
         return SensitivitySearch(space, settings, snapshot)
 
@@ -75,8 +85,8 @@ class _SensitivityMaker:
     method: SensitivityMethod
     task: Task
 
-    def start(self, slots: int) -> SensitivitySearch:  # noqa: ARG002  (the form of all makers)
+    def start(self, slots: int) -> SensitivitySearch | MinimumSearch:  # noqa: ARG002  (the form of all makers)
         return self.method.search(self.task.space)
 
-    def restore(self, snapshot: Snapshot) -> SensitivitySearch:
+    def restore(self, snapshot: Snapshot) -> SensitivitySearch | MinimumSearch:
         return self.method.search(self.task.space, snapshot)

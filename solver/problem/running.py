@@ -61,6 +61,9 @@ SHARE_OF_SEARCH = 0.75
 """Part of the evaluations and the time of a job that its search may take at least, where it is followed by others."""
 
 
+_QUICK_RUNS = 200
+
+
 class Answering(BaseModel):
     """The runs after a search that its result needs: down to the minimum, and the sensitivities there."""
 
@@ -69,13 +72,14 @@ class Answering(BaseModel):
     max_evaluations: Annotated[int, Field(ge=1)] | Literal["auto", "off"] = Field(
         "auto",
         description="largest number of runs after the search, for minimum and intervals; auto: a third of those of the "
-        "search, or five for each free parameter if that is more; off: none",
+        "search, or five for each free parameter if that is more, and at least 200 of a model that takes "
+        "milliseconds; off: none",
     )
 
-    def most(self, free: int, search: int) -> int:
+    def most(self, free: int, search: int, *, quick: bool = False) -> int:
         """Return the largest number of runs after a search of so many evaluations."""
         if self.max_evaluations == "auto":
-            return max(search // 3, 5 * free)
+            return max(search // 3, 5 * free, _QUICK_RUNS if quick else 0)
         return 0 if self.max_evaluations == "off" else self.max_evaluations
 
     def share_of(self, limit: int, free: int) -> int:

@@ -9,12 +9,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, Progress, choose_seed
+from geoswarm.solver.calibration import Calibration, Evaluation, choose_seed
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.plausibility import implausible, require_possible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.problem.checks.extremes import extreme_issues
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.runs.runlog import RunLog
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]
@@ -126,7 +128,8 @@ def check_problem(
     require_possible(problem)
     problem.forward_model.require_available()
     calibration = Calibration(problem, choose_seed(problem.seed))
-    start = calibration.start()
+    course = Course(calibration)
+    start = course.start()
     point = middle(calibration)
     if not calibration.space.feasible(point):
         point = start.positions[0]
@@ -146,7 +149,7 @@ def check_problem(
         planned_evaluations=planned,
         test_run=_report(run, problem, problem.values(point.tolist())),
         estimated_seconds=_estimate(
-            run.seconds + search_seconds(calibration, start, run), planned, problem.stopping.max_seconds
+            run.seconds + search_seconds(course, start, run), planned, problem.stopping.max_seconds
         ),
     )
 
@@ -159,14 +162,15 @@ def middle(calibration: Calibration) -> FloatArray:
     return np.array([c if i is None else i for c, i in zip(centre, initial, strict=True)], dtype=np.float64)
 
 
-def search_seconds(calibration: Calibration, start: Progress, run: Evaluation) -> float:
+def search_seconds(course: Course, start: Progress, run: Evaluation) -> float:
     """Time that the search itself takes for one evaluation [s], measured at one generation after made-up runs.
 
     Only a search that learns from all runs takes any time that counts, and the more the more runs there are: so it is
     tried in the middle of the plan, at most after as many runs as such a search looks at. Their responses are those of
     the ``run``, scaled by where they are.
     """
-    if not calibration.accelerated or calibration.problem.method.role == "follow_up" or run.reason is not None:
+    calibration = course.calibration
+    if not course.learns or calibration.problem.method.role == "follow_up" or run.reason is not None:
         return 0.0
     planned, space = calibration.problem.planned_evaluations, calibration.space
     earlier = _LOOKED_AT if planned is None else min(planned // 2, _LOOKED_AT)
@@ -179,7 +183,7 @@ def search_seconds(calibration: Calibration, start: Progress, run: Evaluation) -
     log.add(list(positions), objectives)
     runs = log.runs(lambda keys: [stored[particle] for _, particle in keys])
     began = time.perf_counter()
-    calibration.advance(start, objectives[earlier:], 0.0, runs, criteria=())
+    course.advance(start, objectives[earlier:], 0.0, runs, criteria=())
     return (time.perf_counter() - began) / len(start.positions)
 
 

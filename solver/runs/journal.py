@@ -21,7 +21,9 @@ from typing import IO, Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, Progress, Step
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.course import Course
+from geoswarm.solver.progress import Progress, Step
 from geoswarm.solver.system.file_locks import try_lock
 
 __all__ = ["Journal", "Keeper", "RunIdentity", "Stored", "read_journal"]
@@ -37,9 +39,9 @@ class Keeper:
     seconds = 0.0
     """Running time of the part before this one [s]."""
 
-    def start(self, calibration: Calibration, slots: int) -> Progress:
+    def start(self, course: Course, slots: int) -> Progress:
         """Return the search at its start."""
-        return calibration.start(slots)
+        return course.start(slots)
 
     def recall(self, position: FloatArray) -> Evaluation | None:
         """Return the outcome at natural values, shape (d,), if it is known from an earlier part of this run."""
@@ -160,11 +162,11 @@ class Journal(Keeper):
             self._file.close()
             raise
 
-    def start(self, calibration: Calibration, slots: int) -> Progress:
+    def start(self, course: Course, slots: int) -> Progress:
         """Return the search at its start, as it was then."""
         if self._stored is not None and self._stored.start is not None:
             return self._stored.start
-        progress = calibration.start(slots)
+        progress = course.start(slots)
         self._write(_START, progress.to_json())
         return progress
 

@@ -5,102 +5,30 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import replace
 
-from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, Offer, Progress, choose_seed
+from geoswarm.solver.calibration import Calibration, Evaluation, Offer, choose_seed
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import fatal_message
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.runs.evaluators import evaluator
 from geoswarm.solver.runs.journal import Keeper
-from geoswarm.solver.runs.notebook import result_html
+from geoswarm.solver.runs.result import (
+    CalibrationResult,
+    EvaluationRecord,
+    GenerationRecord,
+    generation_record,
+    no_success_message,
+)
 from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.solver.runs.under_way import UnderWay
 from geoswarm.solver.warm import compile_kernels
 
-__all__ = [
-    "CalibrationResult",
-    "EvaluationRecord",
-    "GenerationRecord",
-    "calibrate",
-    "generation_record",
-    "no_success_message",
-]
-
-
-@dataclass(frozen=True, slots=True)
-class EvaluationRecord:
-    """One evaluation with its place in the history."""
-
-    generation: int
-    particle: int
-    evaluation: Evaluation
-
-
-@dataclass(frozen=True, slots=True)
-class GenerationRecord:
-    """One finished generation.
-
-    Parameters
-    ----------
-    number
-        Counted from 0.
-    evaluations, failed
-        Totals so far.
-    best_objective
-        Best of this generation; None when all its evaluations failed.
-    objective, parameters
-        Best so far and all its parameter values by name; None while no evaluation has succeeded.
-    """
-
-    number: int
-    evaluations: int
-    failed: int
-    best_objective: float | None
-    objective: float | None
-    parameters: dict[str, float] | None
-
-
-@dataclass(frozen=True, slots=True)
-class CalibrationResult:
-    """Outcome of a calibration with its whole history.
-
-    ``state`` is ``failed`` when no evaluation succeeded; ``error`` then counts the reasons. ``answer``: where the runs
-    after the search began, if there were any; their evaluations are in the history.
-    """
-
-    state: Literal["finished", "failed"]
-    stop_reasons: tuple[str, ...]
-    objective: float | None
-    parameters: dict[str, float] | None
-    best: Evaluation | None
-    best_generation: int | None
-    best_particle: int | None
-    evaluations: int
-    failed_evaluations: int
-    generations: int
-    seconds: float
-    seed: int
-    error: str | None
-    history: list[EvaluationRecord] = field(repr=False)
-    generation_records: list[GenerationRecord] = field(repr=False)
-    answer: Answer | None = field(default=None, repr=False)
-
-    def _repr_html_(self) -> str:
-        """Show the result in a notebook."""
-        facts = {
-            "state": self.state if self.error is None else f"{self.state}: {self.error}",
-            "objective": "-" if self.objective is None else f"{self.objective:.6g}",
-            "evaluations": f"{self.evaluations} in {self.generations} generations, {self.failed_evaluations} failed",
-            "stopped by": ", ".join(self.stop_reasons),
-            "time": f"{self.seconds:.3g} s",
-            "seed": str(self.seed),
-        }
-        return result_html("Calibration", facts, self.parameters, {})
+__all__ = ["calibrate"]
 
 
 def calibrate(
@@ -149,6 +77,7 @@ def calibrate(
         )
     seed = choose_seed(problem.seed if seed is None else seed)
     calibration = Calibration(problem, seed, offer)
+    course = Course(calibration)
     history: list[EvaluationRecord] = []
     records: list[GenerationRecord] = []
     log, responses = RunLog(calibration), list[list[dict[str, FloatArray]]]()
@@ -164,7 +93,7 @@ def calibrate(
         keeper.finished(position, evaluation, time.monotonic() - began)
 
     slots = problem.forward_model.at_once(workers)
-    progress = keeper.start(calibration, situations(Situation(slots), -1).slots)
+    progress = keeper.start(course, situations(Situation(slots), -1).slots)
     with evaluator(calibration, workers, finished) as begin:
         under_way = UnderWay(begin, keeper)
         while True:
@@ -178,14 +107,14 @@ def calibrate(
                 result = _result(problem, seed, progress, (), history, records, time.monotonic() - began)
                 return replace(result, state="failed", error=fatal)
             objectives = [e.objective for e in evaluations]
-            if calibration.accelerated:
+            if course.learns:
                 log.add([e.parameters for e in evaluations], objectives)
                 responses.append([e.responses for e in evaluations])
             step, seconds = keeper.known_step(progress.generation), time.monotonic() - began
             if step is None:
-                runs = log.runs(fetch) if calibration.accelerated else None
+                runs = log.runs(fetch) if course.learns else None
                 situation = situations(Situation(slots, [e.seconds for e in evaluations]), progress.generation)
-                step = calibration.advance(progress, objectives, seconds, runs, situation=situation)
+                step = course.advance(progress, objectives, seconds, runs, situation=situation)
             keeper.closed(progress.generation, evaluations, step, seconds)
             records.append(generation_record(problem, progress.generation, objectives, step.progress))
             if on_generation is not None:
@@ -204,28 +133,6 @@ def _fatal(problem: Problem, generation: int, evaluations: Sequence[Evaluation])
         if evaluation.reason is not None and problem.failures.ends_job(evaluation.reason):
             return fatal_message(generation, particle, evaluation.reason, evaluation.message)
     return None
-
-
-def generation_record(
-    problem: Problem, number: int, objectives: Sequence[float | None], after: Progress
-) -> GenerationRecord:
-    """Summarise a finished generation from its objectives and the progress after it."""
-    best = after.best
-    return GenerationRecord(
-        number=number,
-        evaluations=after.evaluations,
-        failed=after.failed,
-        best_objective=min((f for f in objectives if f is not None), default=None),
-        objective=best.objective if best else None,
-        parameters=problem.values(best.parameters.tolist()) if best else None,
-    )
-
-
-def no_success_message(reasons: Counter[str], first_message: str | None) -> str:
-    """Say why a calibration without one successful evaluation failed, with the reasons counted."""
-    counts = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
-    message = f"all {reasons.total()} evaluations failed ({counts})"
-    return f"{message}; first message: {first_message}" if first_message else message
 
 
 def _result(

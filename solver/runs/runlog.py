@@ -94,4 +94,7 @@ class RunLog:
                 self._rows = {i: self._rows[i] for i in own}
             return np.array([rows[i] for i in chosen.tolist()]).reshape(len(chosen), self._outputs)
 
-        return Runs(np.concatenate(positions), np.concatenate(objectives), residuals)
+        def responses(chosen: IntArray) -> Sequence[Mapping[str, FloatArray]]:
+            return fetch([key(run - first) for run in chosen.tolist()])
+
+        return Runs(np.concatenate(positions), np.concatenate(objectives), residuals, responses)

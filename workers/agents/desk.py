@@ -14,9 +14,9 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from geoswarm.solver.calibration import Progress
 from geoswarm.solver.errors import InfeasibleSpaceError, ProblemError, SolverError
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.agents.needs import is_need, needs_of, registered_need
 from geoswarm.workers.agents.prepared import Prepared, PreparedJobs
@@ -266,7 +266,7 @@ class AgentDesk:
                 answer = self._runtime.exchange(
                     prepared.id,
                     side.worker,
-                    prepared.calibration,
+                    prepared.course,
                     hand_in,
                     live_workers=self._live_workers(),
                     want=want,
@@ -276,7 +276,7 @@ class AgentDesk:
                 if not answer.queued:
                     break
                 try:
-                    progress: Progress | InfeasibleSpaceError = prepared.calibration.start(self._free_slots())
+                    progress: Progress | InfeasibleSpaceError = prepared.course.start(self._free_slots())
                 except InfeasibleSpaceError as error:
                     progress = error
                 self._runtime.start(prepared.id, progress)
@@ -286,7 +286,7 @@ class AgentDesk:
         """Wake others where there is work for them."""
         number = answer.rings or int(answer.left and grant is None)
         if number:
-            self._doorbell.ring(prepared.id, number, kind=prepared.calibration.problem.forward_model.kind)
+            self._doorbell.ring(prepared.id, number, kind=prepared.course.problem.forward_model.kind)
         if answer.left or answer.rings:
             self.on_work(prepared.id, max(answer.rings, 2))
 
@@ -350,14 +350,14 @@ def _results(prepared: Prepared, lease: Record, claim: Claim, runs: Sequence[Bro
     for run in runs:
         if held.get(run.particle) != run.attempt or run.particle in found:
             continue
-        evaluation = evaluation_of(prepared.calibration, run, refused=run.particle in refused)
+        evaluation = evaluation_of(prepared.course.calibration, run, refused=run.particle in refused)
         began, ended = (min(lease.created_at + seconds, lease.now) for seconds in (run.began, run.ended))
         found[run.particle] = Result(run.particle, run.attempt, evaluation, began, ended, run.log)
     return list(found.values())
 
 
 def _words(prepared: Prepared) -> frozenset[str]:
-    return frozenset(needs_of(prepared.calibration.problem.forward_model).split())
+    return frozenset(needs_of(prepared.course.problem.forward_model).split())
 
 
 def _needs(row: Record) -> str:

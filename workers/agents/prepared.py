@@ -12,6 +12,7 @@ from typing import Any
 from cachetools import LRUCache
 
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.workers.execution.limits import limits_of
 from geoswarm.workers.queries.jobs import get_problem
@@ -38,7 +39,7 @@ class Prepared:
     """
 
     id: str
-    calibration: Calibration
+    course: Course
     frame: str
     shared: Mapping[str, Any]
     turn: threading.Lock = field(default_factory=threading.Lock)
@@ -76,7 +77,7 @@ class PreparedJobs:
         problem = parse_problem(unpack_problem(row.problem))
         offer = self._store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
         frame, shared = frame_of(problem, self._settings)
-        made = Prepared(job_id, Calibration(problem, row.seed, offer), frame, shared)
+        made = Prepared(job_id, Course(Calibration(problem, row.seed, offer)), frame, shared)
         with self._lock:
             return self._kept.setdefault(job_id, made)
 

@@ -85,7 +85,7 @@ class Side:
         if claim is None or self._agent is None:
             return
         lease_id = secrets.token_hex(16)
-        calibration = self._prepared.calibration
+        calibration = self._prepared.course.calibration
         refused = [
             particle
             for particle, position in zip(claim.particles, claim.positions, strict=True)
@@ -114,7 +114,7 @@ class Side:
         if self._given is None or self._wanted is None:
             return None
         lease_id, claim = self._given
-        problem, frame = self._prepared.calibration.problem, self._prepared.frame
+        problem, frame = self._prepared.course.problem, self._prepared.frame
         runs = tuple(
             Run(particle, attempt, {} if refused else problem.values(position.tolist()), refused)
             for particle, attempt, position, refused in (

@@ -12,9 +12,10 @@ from __future__ import annotations
 from sqlalchemy import Connection, update
 
 from geoswarm.records.states import ENDED_STATES, JOB_STATES
-from geoswarm.solver.calibration import Progress, stop_criteria
+from geoswarm.solver.course import stop_criteria
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.stopping import StopCriterion, SwarmStatus, satisfied_reasons
 from geoswarm.workers.access.quotas import check_quotas
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError

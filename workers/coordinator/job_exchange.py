@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from sqlalchemy import Connection
 
-from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.runs.runlog import RunLog
 from geoswarm.workers.coordinator.ending import changed_criteria
@@ -74,7 +74,7 @@ class JobExchange:
         log: RunLog | None,
         connection: Connection,
         locked: LockedJob,
-        calibration: Calibration,
+        course: Course,
         large: bool = False,
     ) -> None:
         self.settings = settings
@@ -86,8 +86,8 @@ class JobExchange:
         self.locked = locked
         self.large = large
         self.particles = 0
-        self.calibration = calibration
-        self.failures = calibration.problem.failures
+        self.course = course
+        self.failures = course.problem.failures
         self.state: str = locked.row.state
         self.typical: float | None = locked.row.typical_seconds
         self._job: Job | None = None
@@ -164,7 +164,7 @@ class JobExchange:
         generation, under_way = open_retries(self.connection, self.locked)
         if generation is None:
             if not under_way:
-                finish_retry(self.connection, self.locked, self.calibration.problem, gap=self.settings.lease_seconds)
+                finish_retry(self.connection, self.locked, self.course.problem, gap=self.settings.lease_seconds)
                 return Exchange(left=self.locked.row.retry_to == "running")
             return Exchange()
         rows = load_generation(self.connection, self.locked.id, generation)
@@ -251,10 +251,10 @@ class JobExchange:
                 criteria=changed_criteria(stopping),
                 situation=self._situation([v["seconds"] or 0.0 for v in values]),
             )
-            if self.calibration.accelerated:  # takes its time: the database must not wait
+            if self.course.learns:  # takes its time: the database must not wait
                 self.due = Due(self.job, event, stopping)
                 return None
-            transition = apply(self.job, event, self.calibration)
+            transition = apply(self.job, event, self.course)
         self.typical = _typical(values, self.typical)
         self._save([transition], [])
         if transition.job.state != "running":
@@ -275,9 +275,9 @@ class JobExchange:
 
     def _situation(self, lengths: Sequence[float]) -> Situation | None:
         """What decides on the size of the next generation, where that is left to the engine."""
-        if not self.calibration.problem.method.follows_slots:
+        if not self.course.problem.method.follows_slots:
             return None
-        model = self.calibration.problem.forward_model
+        model = self.course.problem.forward_model
         return Situation(free_slots(self.connection, self.settings, model, self.locked.id), lengths)
 
     def _worth_reuse(self, rows: GenerationRows) -> bool:
@@ -343,7 +343,7 @@ class JobExchange:
 
     def _ahead(self, rows: GenerationRows) -> list[GenerationRows]:
         """Rows of the generation that was begun ahead, if there is one."""
-        if not self.calibration.problem.method.may_overlap or self.locked.row.retry_to is not None:
+        if not self.course.problem.method.may_overlap or self.locked.row.retry_to is not None:
             return []
         ahead = load_generation(self.connection, self.locked.id, rows.generation + 1, briefly=self.large)
         return [ahead] if ahead.cells else []
@@ -352,7 +352,7 @@ class JobExchange:
         # A search that learns from stored runs advances here, where they are stored.
         whole = (
             self.locked.row.retry_to is None
-            and not self.calibration.accelerated
+            and not self.course.learns
             and len(cells) == len(rows.cells)
             and self.sizing.burst(self.typical, len(cells))
         )

@@ -16,10 +16,11 @@ from sqlalchemy import Connection
 
 from geoswarm.records.states import ENDED_STATES, SERVED_STATES
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.problem import Stopping, parse_problem
 from geoswarm.solver.problem.running import Failures
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.workers.coordinator.ending import change_stopping
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
@@ -67,8 +68,8 @@ class Runtime:
     def __init__(self, store: Store, settings: Settings) -> None:
         self.store = store
         self.settings = settings
-        self.logs: MutableMapping[Calibration, RunLog] = WeakKeyDictionary()
-        self._large: MutableMapping[Calibration, bool] = WeakKeyDictionary()
+        self.logs: MutableMapping[Course, RunLog] = WeakKeyDictionary()
+        self._large: MutableMapping[Course, bool] = WeakKeyDictionary()
         self._together = Together(self._exchange)
 
     def shortage(self) -> str | None:
@@ -169,7 +170,7 @@ class Runtime:
         self,
         job_id: str,
         worker: str,
-        calibration: Calibration,
+        course: Course,
         hand_in: HandIn,
         *,
         live_workers: int,
@@ -194,9 +195,9 @@ class Runtime:
         :mod:`geoswarm.workers.coordinator.together`.
         """
         want = want and self.shortage() is None
-        return self._together.ask(job_id, calibration, Asked(worker, hand_in, live_workers, want, taken_up, agent))
+        return self._together.ask(job_id, course, Asked(worker, hand_in, live_workers, want, taken_up, agent))
 
-    def _exchange(self, job_id: str, calibration: Calibration, asked: Sequence[Asked]) -> list[Exchange]:
+    def _exchange(self, job_id: str, course: Course, asked: Sequence[Asked]) -> list[Exchange]:
         """Exchange for several workers in one transaction, or one by one where that cannot be."""
 
         def work(
@@ -207,8 +208,8 @@ class Runtime:
                 return {}, None
             if locked.row.retry_to is not None:
                 locked = lock_job(connection, job_id) or locked  # the end of it needs all of the row
-            large = self._large.get(calibration, False)
-            session = JobExchange(self.settings, self.logs.get(calibration), connection, locked, calibration, large)
+            large = self._large.get(course, False)
+            session = JobExchange(self.settings, self.logs.get(course), connection, locked, course, large)
             if session.alone([*what.values()]):
                 return None, None
             admitted = {number: one for number, one in what.items() if _admitted(connection, one)}
@@ -218,25 +219,25 @@ class Runtime:
             for number, answer in answers.items():
                 if (agent := admitted[number].agent) is not None:
                     agent.settles(connection, answer)
-            self._large[calibration] = session.particles > SMALL
+            self._large[course] = session.particles > SMALL
             return answers, session.due
 
         brought = dict(enumerate(asked))
         answers, due = self.store.write(lambda connection: work(connection, brought, None))
         while answers is not None and due is not None:
-            closed = self._close(job_id, calibration, due)
+            closed = self._close(job_id, course, due)
             still = {number: replace(brought[number], hand_in=HandIn()) for number in answers}
             answers, due = self.store.write(partial(work, what=still, closed=closed))
         if answers is None:
-            return [answer for one in asked for answer in self._exchange(job_id, calibration, [one])]
+            return [answer for one in asked for answer in self._exchange(job_id, course, [one])]
         return [answers.get(number, Exchange()) for number in range(len(asked))]
 
-    def _close(self, job_id: str, calibration: Calibration, due: Due) -> Closed:
+    def _close(self, job_id: str, course: Course, due: Due) -> Closed:
         """Close a generation with all runs so far. They are final, and no transaction is open while it searches."""
         generation = due.joined.generation
-        log = self.logs.setdefault(calibration, RunLog(calibration))
+        log = self.logs.setdefault(course, RunLog(course.calibration))
         if log.failed != self.store.read(lambda connection: count_failed(connection, job_id, log.generations)):
-            log = self.logs[calibration] = RunLog(calibration)  # some were run again since, with success
+            log = self.logs[course] = RunLog(course.calibration)  # some were run again since, with success
         if log.generations <= generation:
             found = self.store.read(lambda c: list_positions(c, job_id, log.generations, generation))
             for number in range(log.generations, generation + 1):
@@ -246,7 +247,7 @@ class Runtime:
             return self.store.read(lambda connection: list_responses(connection, job_id, keys))
 
         joined = replace(due.joined, runs=log.runs(fetch))
-        return Closed(generation, apply(due.job, joined, calibration), due.stopping)
+        return Closed(generation, apply(due.job, joined, course), due.stopping)
 
     def tell_kernels(self, job_id: str, seconds: float | None) -> None:
         """Tell watchers of a job that kernels are being compiled for it (None), or were, and in how many seconds."""

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 
-from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.workers.coordinator.work import Asked, Exchange
 from geoswarm.workers.errors import StoreUnavailableError
 
@@ -19,14 +19,14 @@ __all__ = ["Together"]
 MOST = 500
 """Exchanges in one transaction."""
 
-Serve = Callable[[str, Calibration, Sequence[Asked]], Sequence[Exchange]]
+Serve = Callable[[str, Course, Sequence[Asked]], Sequence[Exchange]]
 
 
 class _Ticket:
     """What a thread asks, and what it waits for."""
 
-    def __init__(self, calibration: Calibration, asked: Asked) -> None:
-        self.calibration = calibration
+    def __init__(self, course: Course, asked: Asked) -> None:
+        self.course = course
         self.asked = asked
         self.answer: Future[Exchange] = Future()
         self.turn = threading.Event()
@@ -47,14 +47,14 @@ class Together:
         self._lock = threading.Lock()
         self._waiting: dict[str, list[_Ticket]] = {}  # of each job that somebody is at
 
-    def ask(self, job_id: str, calibration: Calibration, asked: Asked) -> Exchange:
+    def ask(self, job_id: str, course: Course, asked: Asked) -> Exchange:
         """Exchange, with others or alone.
 
         Raises
         ------
         StoreUnavailableError
         """
-        ticket = _Ticket(calibration, asked)
+        ticket = _Ticket(course, asked)
         with self._lock:
             waiting = self._waiting.get(job_id)
             if waiting is None:
@@ -92,8 +92,8 @@ class Together:
     def _ask_for_all(self, job_id: str, first: _Ticket) -> None:
         with self._lock:
             waiting = self._waiting[job_id]
-            # Another calibration is one that was read anew, by a process that had forgotten it.
-            same = [ticket for ticket in waiting if ticket.calibration is first.calibration][: MOST - 1]
+            # Another course is one that was read anew, by a process that had forgotten it.
+            same = [ticket for ticket in waiting if ticket.course is first.course][: MOST - 1]
             taken = {id(ticket) for ticket in same}
             self._waiting[job_id] = [ticket for ticket in waiting if id(ticket) not in taken]
         try:
@@ -107,7 +107,7 @@ class Together:
 
     def _answer(self, job_id: str, tickets: Sequence[_Ticket]) -> None:
         try:
-            answers = self._serve(job_id, tickets[0].calibration, [ticket.asked for ticket in tickets])
+            answers = self._serve(job_id, tickets[0].course, [ticket.asked for ticket in tickets])
         except StoreUnavailableError as error:
             for ticket in tickets:
                 ticket.answer.set_exception(error)

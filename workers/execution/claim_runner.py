@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable, Sequence
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.course import Course
 from geoswarm.solver.runner.evaluator import Evaluator, NeverMind, NoProcessError
 from geoswarm.solver.runner.fork_server_link import POLL_SECONDS
 from geoswarm.workers.coordinator.ending import changed_criteria
@@ -48,14 +49,14 @@ class ClaimRunner:
         self,
         claim: Claim,
         evaluator: Evaluator,
-        calibration: Calibration,
+        course: Course,
         settings: Settings,
         heartbeat: Heartbeat,
         early: Early,
     ) -> None:
         self._claim = self._held = claim
         self._evaluator = evaluator
-        self._calibration = calibration
+        self._course = course
         self._settings = settings
         self._heartbeat = heartbeat
         self._early = early
@@ -109,7 +110,7 @@ class ClaimRunner:
             elapsed = time.monotonic() - began
             results_there = joined(_in_order(results))
             event = GenerationJoined(generation, results_there, claim.run_seconds + elapsed, criteria=criteria)
-            transition = apply(job, event, self._calibration)
+            transition = apply(job, event, self._course)
             whole_generations.append(WholeGeneration(generation, results, transition, claim.now + elapsed))
             job = transition.job
             tired = elapsed > self._settings.chunk_seconds or self._heartbeat.unwanted() is not None
@@ -131,9 +132,9 @@ class ClaimRunner:
         job_id, first = self._claim.job_id, len(results)
         outcomes = self._evaluator.run(
             job_id,
-            self._calibration,
+            self._course.calibration,
             positions,
-            limits_of(self._calibration.problem, self._settings),
+            limits_of(self._course.problem, self._settings),
             budget=max(began + self._settings.chunk_seconds - time.monotonic(), 0.0),
             unwanted=self._look,
         )
@@ -142,7 +143,7 @@ class ClaimRunner:
                 number = len(results) - first
                 self._note(generation, particles[number], outcome.evaluation)
                 times = (self._clock + outcome.began, self._clock + outcome.ended)
-                shown = None if outcome.log is None else self._calibration.problem.forward_model.shown(outcome.log)
+                shown = None if outcome.log is None else self._course.problem.forward_model.shown(outcome.log)
                 results.append(Result(particles[number], attempts[number], outcome.evaluation, *times, shown))
                 self._since = outcome.ended
         except NeverMind as end:
@@ -176,7 +177,7 @@ class ClaimRunner:
 
     def _decides(self, results: Sequence[Result]) -> bool:
         """Whether a failure among them is for the coordinator to decide on."""
-        failures = self._calibration.problem.failures
+        failures = self._course.problem.failures
         reasons = {r.evaluation.reason for r in results if r.evaluation.reason is not None}
         return any(failures.retries(reason) or failures.ends_job(reason) for reason in reasons)
 

@@ -8,10 +8,12 @@ from functools import partial
 
 from cachetools import LRUCache
 
-from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.forward.registry import is_foreign
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, NoProcessError, RunLimits
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
@@ -71,7 +73,7 @@ class Worker:
         self._evaluator: Evaluator = Runner(settings.passed_environment) if settings.isolate else InlineEvaluator()
         self._live_workers = 1
         self._short = False  # of disk
-        self._calibrations: LRUCache[str, Calibration] = LRUCache(CACHED_CALIBRATIONS)
+        self._courses: LRUCache[str, Course] = LRUCache(CACHED_CALIBRATIONS)
 
     def start(self) -> None:
         """Register the worker, start the heartbeat, and prepare to evaluate.
@@ -135,15 +137,15 @@ class Worker:
         """
         extra = {"job": job_id, "worker": self.identity.id}
         try:
-            calibration = self._calibration(job_id)
-            if calibration is None:
+            course = self._course(job_id)
+            if course is None:
                 return
-            if calibration.problem.forward_model.unavailable() is not None:
-                self._refuse(job_id, calibration)
-            elif self._make_ready(job_id, calibration):
-                with self.slots.hold(_kind(calibration)) as free:
+            if course.problem.forward_model.unavailable() is not None:
+                self._refuse(job_id, course)
+            elif self._make_ready(job_id, course):
+                with self.slots.hold(_kind(course)) as free:
                     if free:
-                        self._work(job_id, calibration)
+                        self._work(job_id, course)
         except StoreUnavailableError as error:
             # Whatever was claimed comes back through its lease.
             log.warning("worker %s: %s", self.identity.id, error, extra=extra)
@@ -157,40 +159,40 @@ class Worker:
         finally:
             self.heartbeat.claim = None
 
-    def _make_ready(self, job_id: str, calibration: Calibration) -> bool:
+    def _make_ready(self, job_id: str, course: Course) -> bool:
         tell = partial(self.runtime.tell_kernels, job_id)
-        return make_ready(self._evaluator, calibration.problem, unwanted=self.stopping.is_set, tell=tell)
+        return make_ready(self._evaluator, course.problem, unwanted=self.stopping.is_set, tell=tell)
 
-    def _work(self, job_id: str, calibration: Calibration) -> None:
+    def _work(self, job_id: str, course: Course) -> None:
         if self.heartbeat.late:
             # The database is too slow for all that ask: fewer claims, so that leases are renewed in time.
             self.stopping.wait(self.settings.lease_seconds / 4)
         turn = _Turn(self, job_id)
         self._count_live()
-        answer = self._exchange(job_id, calibration, HandIn(), turn)
+        answer = self._exchange(job_id, course, HandIn(), turn)
         if answer.queued:
             try:
-                progress: Progress | InfeasibleSpaceError = calibration.start(self._free_slots(job_id, calibration))
+                progress: Progress | InfeasibleSpaceError = course.start(self._free_slots(job_id, course))
             except InfeasibleSpaceError as error:
                 progress = error
             self.runtime.start(job_id, progress)
-            answer = self._exchange(job_id, calibration, HandIn(), turn)
-        early = partial(self._early, job_id, calibration, turn)
+            answer = self._exchange(job_id, course, HandIn(), turn)
+        early = partial(self._early, job_id, course, turn)
         while answer.claim is not None:
             self.heartbeat.claim = claim = answer.claim
-            claimed = ClaimRunner(claim, self._evaluator, calibration, self.settings, self.heartbeat, early)
+            claimed = ClaimRunner(claim, self._evaluator, course, self.settings, self.heartbeat, early)
             with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
                 hand_in = claimed.run()
-            if claimed.trouble is not None or calibration.problem.forward_model.unavailable() is not None:
+            if claimed.trouble is not None or course.problem.forward_model.unavailable() is not None:
                 turn.end()  # what has changed is seen to when the job is taken up again
-            answer = self._exchange(job_id, calibration, hand_in, turn)
+            answer = self._exchange(job_id, course, hand_in, turn)
             if claimed.trouble is not None:
                 self._rest(claimed.trouble)
             if answer.waiting is not None and self._generation_ends(claim, answer.waiting, turn):
-                answer = self._exchange(job_id, calibration, HandIn(), turn)
+                answer = self._exchange(job_id, course, HandIn(), turn)
             self.heartbeat.claim = answer.claim
         if answer.left:
-            self.doorbell.ring(job_id, kind=_kind(calibration))
+            self.doorbell.ring(job_id, kind=_kind(course))
 
     def _rest(self, trouble: str) -> None:
         """Leave the work to others for a while: this worker cannot do any now, and no evaluation is to blame."""
@@ -219,30 +221,28 @@ class Worker:
             now = time.monotonic()
         return False
 
-    def _exchange(self, job_id: str, calibration: Calibration, hand_in: HandIn, turn: _Turn) -> Exchange:
+    def _exchange(self, job_id: str, course: Course, hand_in: HandIn, turn: _Turn) -> Exchange:
         """Exchange with the runtime, again and again while the database does not answer: results are worth the wait."""
         wait = 0.1
         while True:
             try:
-                answer = self._ask(job_id, calibration, hand_in, turn)
+                answer = self._ask(job_id, course, hand_in, turn)
             except StoreUnavailableError:
                 if hand_in.claim is None or self.stopping.wait(wait):
                     raise
                 wait = min(2 * wait, LONGEST_WAIT_SECONDS)
             else:
                 if answer.rings:
-                    self.doorbell.ring(job_id, answer.rings, kind=_kind(calibration))
+                    self.doorbell.ring(job_id, answer.rings, kind=_kind(course))
                 return answer
 
-    def _ask(
-        self, job_id: str, calibration: Calibration, hand_in: HandIn, turn: _Turn, *, want: bool = True
-    ) -> Exchange:
+    def _ask(self, job_id: str, course: Course, hand_in: HandIn, turn: _Turn, *, want: bool = True) -> Exchange:
         """Exchange with the runtime once."""
         want = want and turn.goes_on(soon=hand_in.partial)
         answer = self.runtime.exchange(
             job_id,
             self.identity.id,
-            calibration,
+            course,
             hand_in,
             live_workers=self._live_workers,
             want=want,
@@ -252,22 +252,22 @@ class Worker:
         return answer
 
     def _early(
-        self, job_id: str, calibration: Calibration, turn: _Turn, hand_in: HandIn, want: bool
+        self, job_id: str, course: Course, turn: _Turn, hand_in: HandIn, want: bool
     ) -> tuple[bool, Claim | None]:
         """Hand in what is ready while an evaluation runs; see :data:`geoswarm.workers.execution.claim_runner.Early`."""
         try:
-            answer = self._ask(job_id, calibration, hand_in, turn, want=want)
+            answer = self._ask(job_id, course, hand_in, turn, want=want)
             if answer.rings or (answer.left and not want):
-                self.doorbell.ring(job_id, max(answer.rings, 1), kind=_kind(calibration))
+                self.doorbell.ring(job_id, max(answer.rings, 1), kind=_kind(course))
         except StoreUnavailableError as error:
             log.warning("worker %s: %s", self.identity.id, error)  # it is handed in again at the end
             return False, None
         return True, answer.claim
 
-    def _calibration(self, job_id: str) -> Calibration | None:
+    def _course(self, job_id: str) -> Course | None:
         """Return the job made ready, from the cache of this process if possible; None: there is no such job."""
-        if job_id in self._calibrations:
-            return self._calibrations[job_id]
+        if job_id in self._courses:
+            return self._courses[job_id]
         row = self.store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
             return None
@@ -276,13 +276,13 @@ class Worker:
             self._evaluator.build(job_id, document, row.seed, RunLimits(None, self.settings.build_memory_mb))
         problem = parse_problem(document)
         offer = self.store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
-        calibration = Calibration(problem, row.seed, offer)
-        self._calibrations[job_id] = calibration
-        return calibration
+        course = Course(Calibration(problem, row.seed, offer))
+        self._courses[job_id] = course
+        return course
 
-    def _refuse(self, job_id: str, calibration: Calibration) -> None:
+    def _refuse(self, job_id: str, course: Course) -> None:
         def why() -> str | None:
-            message = calibration.problem.forward_model.unavailable()
+            message = course.problem.forward_model.unavailable()
             if message is not None:
                 message = f"worker {self.identity.id} refuses: {message}"
                 log.warning("job %s: %s", job_id, message, extra={"job": job_id})
@@ -296,8 +296,8 @@ class Worker:
         except WorkersError as error:
             log.warning("job %s could not be ended: %s", job_id, error, extra={"job": job_id})
 
-    def _free_slots(self, job_id: str, calibration: Calibration) -> int:
-        model = calibration.problem.forward_model
+    def _free_slots(self, job_id: str, course: Course) -> int:
+        model = course.problem.forward_model
         return self.store.read(lambda connection: free_slots(connection, self.settings, model, job_id))
 
     def _count_live(self) -> None:
@@ -305,8 +305,8 @@ class Worker:
         self._live_workers = max(1, self.store.read(lambda connection: count_live(connection, lease)))
 
 
-def _kind(calibration: Calibration) -> str:
-    return calibration.problem.forward_model.kind
+def _kind(course: Course) -> str:
+    return course.problem.forward_model.kind
 
 
 class _Turn:

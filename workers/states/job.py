@@ -21,10 +21,11 @@ from typing import Any, Literal, TypeAlias, assert_never
 
 from geoswarm.records.states import OPEN_STATES, SERVED_STATES, JobState
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.methods.widths import Situation
-from geoswarm.solver.runs.local import GenerationRecord, generation_record, no_success_message
+from geoswarm.solver.progress import Progress
+from geoswarm.solver.runs.result import GenerationRecord, generation_record, no_success_message
 from geoswarm.solver.search import Runs
 from geoswarm.solver.stopping import StopCriterion
 from geoswarm.workers.errors import InvalidTransitionError
@@ -95,7 +96,7 @@ class Joined:
 
 @dataclass(frozen=True, slots=True)
 class JobStarted:
-    """A worker takes the job up; ``progress`` is :meth:`Calibration.start`, or why the search cannot start."""
+    """A worker takes the job up; ``progress`` is :meth:`Course.start`, or why the search cannot start."""
 
     progress: Progress | InfeasibleSpaceError
 
@@ -207,7 +208,7 @@ class Transition:
     instructions: tuple[Instruction, ...] = ()
 
 
-def apply(job: Job, event: JobEvent, calibration: Calibration | None = None) -> Transition:
+def apply(job: Job, event: JobEvent, course: Course | None = None) -> Transition:
     """Apply one event; pure.
 
     Parameters
@@ -224,7 +225,7 @@ def apply(job: Job, event: JobEvent, calibration: Calibration | None = None) -> 
         case JobStarted(progress):
             return _start(job, progress)
         case GenerationJoined():
-            return _join(job, event, calibration)
+            return _join(job, event, course)
         case CancelRequested():
             if job.state == "cancelled":
                 return Transition(job)
@@ -261,18 +262,18 @@ def _start(job: Job, progress: Progress | InfeasibleSpaceError) -> Transition:
     return _move(started, *_dispatch(progress), RingDoorbell())
 
 
-def _join(job: Job, event: GenerationJoined, calibration: Calibration | None) -> Transition:
+def _join(job: Job, event: GenerationJoined, course: Course | None) -> Transition:
     progress = job.progress
     if job.state != "running" or progress is None or event.generation != progress.generation:
         return Transition(job)
-    if calibration is None or len(event.results) != len(progress.positions):
+    if course is None or len(event.results) != len(progress.positions):
         raise ValueError(
             f"generation {event.generation} joins {len(event.results)} results of {len(progress.positions)} particles"
-            f" ({'with' if calibration else 'without'} a calibration)"
+            f" ({'with' if course else 'without'} a course)"
         )
     objectives = [result.objective for result in event.results]
-    step = calibration.advance(progress, objectives, event.seconds, event.runs, event.criteria, event.situation)
-    record = generation_record(calibration.problem, progress.generation, objectives, step.progress)
+    step = course.advance(progress, objectives, event.seconds, event.runs, event.criteria, event.situation)
+    record = generation_record(course.problem, progress.generation, objectives, step.progress)
     reasons = Counter(result.reason for result in event.results if result.reason is not None)
     messages = (result.message for result in event.results if result.reason is not None)
     after = replace(

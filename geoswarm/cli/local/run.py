@@ -22,7 +22,7 @@ from geoswarm.cli.words.warnings import warn_of_many_points
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.runs.local import CalibrationResult, GenerationRecord
+    from geoswarm.solver.runs.result import CalibrationResult, GenerationRecord
 
 __all__ = ["run_command"]
 

@@ -41,6 +41,7 @@ from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.search import Runs
+from geoswarm.solver.search.descent.minimum import MinimumSearch
 
 __all__ = [
     "NO_FINDINGS",
@@ -282,6 +283,8 @@ def _sensitivity(
     level: float,
 ) -> Findings:
     search = method.search(calibration.space)
+    if isinstance(search, MinimumSearch):
+        return _of_minimum(search, calibration, evaluations, noise, level)
     start = evaluations[0].objective if evaluations else None
     position = first = last_difference = 0
     while (due := search.ask()) is not None:
@@ -311,6 +314,41 @@ def _sensitivity(
     return Findings(found, last[0].objective, start, responses=dict(last[0].responses), fit=found.fit)
 
 
+def _of_minimum(
+    search: MinimumSearch,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,
+    level: float,
+) -> Findings:
+    rows = residual_rows(calibration, evaluations)
+    while (due := search.ask()) is not None and search.told + len(due) <= len(evaluations):
+        told = search.told + len(due)
+        _tell(calibration, search, evaluations[:told], len(due))
+    start = evaluations[0].objective if evaluations else None
+    if search.differences is None:
+        return Findings(start_objective=start, notes=(_INCOMPLETE,))
+    steps, first = search.differences
+    rows = rows[: search.told]
+    plan, chosen = steps.chosen(rows[first:])
+    walk = search.walk(rows)
+    best = evaluations[walk.row]
+    if walk.far:
+        return Findings(start_objective=start, notes=(_TOO_FAR,))
+    try:
+        jacobian = differentiate(calibration, plan, [evaluations[first + row] for row in chosen])
+        there = replace(jacobian, optimum=search.place(walk.row), responses=dict(best.responses))
+        found = linearise(calibration, there, noise=noise, level=level)
+    except StatisticsError as error:
+        if noise is not None:
+            raise
+        return Findings(start_objective=start, notes=(str(error),))
+    if search.ends is not None:
+        ends = len(search.ends.positions)
+        found = measure_bending(calibration, found, search.ends, evaluations[search.told - ends : search.told])
+    return Findings(found, best.objective, start, responses=dict(best.responses), fit=found.fit)
+
+
 def answer_of(
     calibration: Calibration,
     answer: Answer,
@@ -324,32 +362,16 @@ def answer_of(
     Parameters
     ----------
     answer
-        Their state.
+        What they are.
     evaluations, noise
         As for :func:`findings_of`.
     """
-    search = answer.runs(calibration.space)
-    if search.differences is None:
-        return Findings(start_objective=answer.objective, notes=(_INCOMPLETE,))
-    steps, first = search.differences
-    told, ends = evaluations[: search.told], search.ends
-    rows = residual_rows(calibration, told)
-    plan, chosen = steps.chosen(rows[first:])
-    walk = search.walk(rows)
-    best = told[walk.row]
-    if walk.far:
-        return Findings(start_objective=answer.objective, notes=(_TOO_FAR.format(answer.most),))
-    try:
-        jacobian = differentiate(calibration, plan, [told[first + row] for row in chosen])
-        there = replace(jacobian, optimum=search.place(walk.row), responses=dict(best.responses))
-        found = linearise(calibration, there, noise=noise, level=level)
-    except StatisticsError as error:
-        if noise is not None:
-            raise
-        return Findings(start_objective=answer.objective, notes=(str(error),))
-    if ends is not None:
-        found = measure_bending(calibration, found, ends, told[-len(ends.positions) :])
-    return Findings(found, best.objective, answer.objective, responses=dict(best.responses), fit=found.fit)
+    begins = [part.evaluations - answer.evaluations for part in answer.parts]
+    parts = [
+        examine(part.method, calibration, evaluations[first:last], noise, level)
+        for part, first, last in zip(answer.parts, begins, [*begins[1:], len(evaluations)], strict=True)
+    ]
+    return join_findings(parts[::-1])
 
 
 @examine.register

@@ -9,9 +9,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, Offer, Progress, Step, choose_seed
+from geoswarm.solver.calibration import Evaluation, Offer, choose_seed
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.progress import Progress, Step
 from geoswarm.solver.report.folder.tables import (
     evaluation_header,
     evaluation_row,
@@ -25,7 +27,7 @@ from geoswarm.solver.report.folder.tables import (
 )
 from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.runs.journal import Journal, RunIdentity, Stored, read_journal
-from geoswarm.solver.runs.local import CalibrationResult, generation_record
+from geoswarm.solver.runs.result import CalibrationResult, generation_record
 
 __all__ = ["JOURNAL", "OtherRunError", "OutputError", "RunFolder", "open_run_folder"]
 
@@ -83,10 +85,10 @@ class RunFolder(Journal):
             "generations.csv": _Table(folder / "generations.csv", generation_header(self.problem)),
         }
 
-    def start(self, calibration: Calibration, slots: int) -> Progress:
+    def start(self, course: Course, slots: int) -> Progress:
         """Return the search at its start, as it was then."""
         with _writing(self.path):
-            return super().start(calibration, slots)
+            return super().start(course, slots)
 
     def finished(self, position: FloatArray, evaluation: Evaluation, seconds: float) -> None:
         """Append an outcome to the journal."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,11 +26,15 @@ class Runs:
         Gives the weighted residual vectors of chosen successful runs, indices (k,) -> (k, m), such that the squared
         length of a row is its objective: sqrt(w_g w_h / m_g) (y_calc - y_meas) over all series. A function, because
         only a selection is ever looked at and all of them may be too many for memory.
+    responses
+        Gives the calculated values of chosen successful runs of this job by series, indices (k,); none are known where
+        runs are given by their residuals.
     """
 
     positions: FloatArray
     objectives: FloatArray
     residuals: Callable[[IntArray], FloatArray]
+    responses: Callable[[IntArray], Sequence[Mapping[str, FloatArray]]] = lambda _: ()
 
     @classmethod
     def of(cls, positions: FloatArray, residuals: FloatArray) -> Runs:

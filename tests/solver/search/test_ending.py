@@ -12,7 +12,8 @@ from scipy.optimize import least_squares
 
 from geoswarm.solver.calibration import Calibration, Progress
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.runs.local import CalibrationResult, calibrate
+from geoswarm.solver.runs.local import calibrate
+from geoswarm.solver.runs.result import CalibrationResult
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import free, problem_of
 

@@ -1,0 +1,239 @@
+"""The runs after a search that its result needs: begun when it ends, each follow-up planned from those before.
+
+Sensitivities and the steps to the minimum come first. Descents then begin where stored runs point to another basin,
+and profiles give the intervals within which the model is nonlinear. A better minimum begins all of it again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from geoswarm.solver.answer import Answer, Part
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.errors import SolverError
+from geoswarm.solver.identifiability.noise import problem_noise
+from geoswarm.solver.identifiability.optimum.basins import equivalent_objective, exchangeable, heads_elsewhere
+from geoswarm.solver.identifiability.optimum.hidden import Unseen
+from geoswarm.solver.identifiability.optimum.profiles import profile_settings
+from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.stored.findings import Findings, answer_of
+from geoswarm.solver.methods.base import FollowUpMethod, Maker, Task
+from geoswarm.solver.methods.explore import ExploreMethod
+from geoswarm.solver.methods.profile import ProfileMethod
+from geoswarm.solver.methods.sensitivity import SensitivityMethod
+from geoswarm.solver.progress import Best, Progress, Step
+from geoswarm.solver.search import Runs
+from geoswarm.solver.search.descent.minimum import MinimumSearch
+from geoswarm.solver.stopping import MaxSeconds, StopCriterion, evaluations_left
+
+__all__ = ["begin_answer", "go_on_answering"]
+
+_MOST_MINIMA = 4  # that sensitivities are calculated at
+_MOST_STARTS = 12  # of descents to other basins
+_MOST_SWAPS = 10  # pairs of parameters
+_HEIGHT = 2.0  # times as high as a basin reaches
+_BETTER = 1e-9  # relative decrease of the objective
+_SAME = 1e-9  # relative difference of parameters
+
+
+def begin_answer(
+    calibration: Calibration, ended: Progress, reasons: tuple[str, ...], limits: Sequence[StopCriterion]
+) -> Step | None:
+    """Begin them where a search has found something and there is room; None otherwise.
+
+    Parameters
+    ----------
+    ended
+        The search at its end.
+    reasons
+        Why it ended.
+    limits
+        Stop criteria of the job.
+    """
+    problem, best = calibration.problem, ended.best
+    if best is None or not problem.answers:
+        return None
+    free, quick = calibration.space.dimension, problem.forward_model.quick
+    most, left = problem.answer.most(free, ended.evaluations, quick=quick), evaluations_left(limits, ended.evaluations)
+    answer = Answer(most if left is None else min(most, left), best.objective, reasons, ended.to_json())
+    begun = _begin(calibration, ended, answer, _sensitivity(calibration, best, answer.most))
+    return None if begun is None else Step(begun, ())
+
+
+def go_on_answering(
+    calibration: Calibration,
+    progress: Progress,
+    objectives: FloatArray,
+    runs: Runs,
+    limits: Sequence[StopCriterion],
+    seconds: float,
+) -> Step:
+    """Close a generation of them.
+
+    Parameters
+    ----------
+    objectives
+        f of each particle, inf where it failed.
+    runs
+        All evaluations so far, this generation included.
+    limits
+        Stop criteria of the job.
+    seconds
+        Its running time so far [s].
+    """
+    answer = progress.answer
+    assert answer is not None
+    part = answer.parts[-1]
+    search = _maker(calibration, part.method).restore(part.snapshot)
+    best = _best(progress, search, objectives)
+    search.tell(objectives, runs)
+    positions = search.ask()
+    after = replace(
+        progress,
+        generation=progress.generation + 1,
+        positions=np.empty((0, calibration.space.dimension)) if positions is None else positions,
+        evaluations=progress.evaluations + len(objectives),
+        failed=progress.failed + int(np.isinf(objectives).sum()),
+        best=best,
+        answer=replace(answer, parts=(*answer.parts[:-1], replace(part, snapshot=search.snapshot()))),
+    )
+    if any(isinstance(one, MaxSeconds) and seconds >= one.limit for one in limits):
+        return Step(after, answer.reasons)
+    if 0 < len(after.positions) <= _room(after):
+        return Step(after, ())
+    for method in _further(calibration, after, runs):
+        if (begun := _begin(calibration, after, after.answer, method)) is not None:
+            return Step(begun, ())
+    return Step(replace(after, positions=np.empty((0, calibration.space.dimension))), answer.reasons)
+
+
+def _room(progress: Progress) -> int:
+    """How many evaluations may follow."""
+    answer = progress.answer
+    return 0 if answer is None else answer.evaluations + answer.most - progress.evaluations
+
+
+def _maker(calibration: Calibration, method: FollowUpMethod) -> Maker:
+    nothing = np.full(calibration.space.dimension, np.nan)
+    return method.maker(Task(calibration.space, calibration.seed, nothing, None, None))
+
+
+def _begin(
+    calibration: Calibration, progress: Progress, answer: Answer | None, method: FollowUpMethod
+) -> Progress | None:
+    """Ask for the first generation of a follow-up; None where it has none, or there is no room."""
+    assert answer is not None
+    search = _maker(calibration, method).start(1)
+    positions = search.ask()
+    document = method.model_dump(mode="json", exclude_none=True)
+    part = Part(document, progress.generation, progress.evaluations, search.snapshot())
+    answer = replace(answer, parts=(*answer.parts, part))
+    begun = replace(progress, ahead=None, ahead_begun=False, answer=answer)
+    if positions is None or len(positions) > _room(begun):
+        return None
+    return replace(begun, positions=positions)
+
+
+def _best(progress: Progress, search: object, objectives: FloatArray) -> Best | None:
+    """The best evaluation after a generation. A neighbour of the minimum is none: it may be lower by chance."""
+    best, particle = progress.best, int(np.argmin(objectives))
+    margin = 0.0 if isinstance(search, MinimumSearch) else _BETTER
+    if isinstance(search, MinimumSearch) and not search.trying:
+        return best
+    if best is not None and objectives[particle] >= best.objective * (1.0 - margin):
+        return best
+    return Best(float(objectives[particle]), progress.generation, particle, progress.positions[particle].copy())
+
+
+def _sensitivity(calibration: Calibration, best: Best, runs: int) -> SensitivityMethod:
+    at = dict(zip(calibration.free_names, best.parameters.tolist(), strict=True))
+    return SensitivityMethod(at=at, polish=True, runs=max(runs, 1))
+
+
+def _further(calibration: Calibration, progress: Progress, runs: Runs) -> Iterator[FollowUpMethod]:
+    """What may follow, the most useful first."""
+    answer, best, room = progress.answer, progress.best, _room(progress)
+    if answer is None or best is None or room < 1:
+        return
+    findings = answer_of(calibration, answer, _evaluations(calibration, progress, answer, runs))
+    found = findings.linearisation
+    if found is None or findings.objective is None:
+        return
+    methods = [part.method for part in answer.parts]
+    minima = sum(isinstance(method, SensitivityMethod) for method in methods)
+    if best.objective < findings.objective * (1.0 - _BETTER):
+        if minima < _MOST_MINIMA:
+            yield _sensitivity(calibration, best, room)
+        return
+    last = max(place for place, method in enumerate(methods) if isinstance(method, SensitivityMethod))
+    since = methods[last + 1 :]
+    if not any(isinstance(method, ExploreMethod) for method in since):
+        points = _elsewhere(calibration, answer, findings, runs)[: min(_MOST_STARTS + _MOST_SWAPS, room)]
+        if points:
+            listed = dict(zip(calibration.free_names, np.array(points).T.tolist(), strict=True))
+            at = dict(zip(calibration.free_names, found.optimum.tolist(), strict=True))
+            yield ExploreMethod(at=at, points=listed, runs=room)
+    bent = [name for name in found.names if found.bent(name)]
+    if bent and not any(isinstance(method, ProfileMethod) for method in since):
+        settings = profile_settings(calibration, found, parameters=bent)
+        at, rise, step = (
+            dict(zip(calibration.free_names, values.tolist(), strict=True))
+            for values in (settings.optimum, settings.rise, settings.step)
+        )
+        yield ProfileMethod(at=at, rise={n: rise[n] for n in bent}, step={n: step[n] for n in bent})
+
+
+def _elsewhere(calibration: Calibration, answer: Answer, findings: Findings, runs: Runs) -> list[FloatArray]:
+    """Where to look for other basins, natural values: runs that point there, and exchangeable values swapped."""
+    found, best = findings.linearisation, findings.objective
+    assert found is not None
+    assert best is not None
+    first = _offered(calibration)
+    rows = slice(first, first + answer.evaluations)
+    samples = Samples.from_arrays(calibration.problem, runs.positions[rows], runs.objectives[rows])
+    looked = [
+        np.array(place)
+        for part in answer.parts
+        if isinstance(part.method, ExploreMethod)
+        for place in zip(*(part.method.points[name] for name in calibration.free_names), strict=True)
+    ]
+    try:
+        limit = equivalent_objective(calibration, best, problem_noise(calibration.problem))
+        unseen = Unseen.of(samples, found, best, findings.explored)
+        left = unseen.unfinished(0.0, [samples.to_unit(place) for place in looked], height=_HEIGHT, made=True)
+        places = [place for place, _ in unseen.places_of(calibration.space, left)]
+        places += [samples.parameters[head] for head in heads_elsewhere(samples, found, limit, best)]
+    except SolverError:
+        return []
+    places = places[:_MOST_STARTS]
+    places += [place for _, _, place in exchangeable(calibration, found.optimum)[:_MOST_SWAPS]]
+    kept: list[FloatArray] = []
+    for place in places:
+        known = np.array([found.optimum, *looked, *kept])
+        if not np.isclose(known, place, rtol=_SAME, atol=0.0).all(axis=1).any():
+            kept.append(place)
+    return kept
+
+
+def _offered(calibration: Calibration) -> int:
+    """How many runs of earlier jobs come before those of this one."""
+    return 0 if calibration.offered is None else len(calibration.offered.positions)
+
+
+def _evaluations(calibration: Calibration, progress: Progress, answer: Answer, runs: Runs) -> list[Evaluation]:
+    """The evaluations after the search, with their responses."""
+    first = _offered(calibration)
+    rows = np.arange(first + answer.evaluations, first + progress.evaluations)
+    responses = iter(runs.responses(rows[runs.succeeded[rows]]))
+    made = []
+    for row in rows.tolist():
+        objective = float(runs.objectives[row]) if runs.succeeded[row] else None
+        curves = {} if objective is None else dict(next(responses))
+        misfits = {} if objective is None else calibration.objective.misfits(curves)
+        reason = "error" if objective is None else None
+        made.append(Evaluation(runs.positions[row], objective, misfits, curves, reason, None, 0.0))
+    return made

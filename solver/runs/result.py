@@ -1,0 +1,109 @@
+"""What a calibration in this process returns: its evaluations, generations and best parameters."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from geoswarm.solver.answer import Answer
+from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.progress import Progress
+from geoswarm.solver.runs.notebook import result_html
+
+__all__ = ["CalibrationResult", "EvaluationRecord", "GenerationRecord", "generation_record", "no_success_message"]
+
+
+@dataclass(frozen=True, slots=True)
+class EvaluationRecord:
+    """One evaluation with its place in the history."""
+
+    generation: int
+    particle: int
+    evaluation: Evaluation
+
+
+@dataclass(frozen=True, slots=True)
+class GenerationRecord:
+    """One finished generation.
+
+    Parameters
+    ----------
+    number
+        Counted from 0.
+    evaluations, failed
+        Totals so far.
+    best_objective
+        Best of this generation; None when all its evaluations failed.
+    objective, parameters
+        Best so far and all its parameter values by name; None while no evaluation has succeeded.
+    """
+
+    number: int
+    evaluations: int
+    failed: int
+    best_objective: float | None
+    objective: float | None
+    parameters: dict[str, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class CalibrationResult:
+    """Outcome of a calibration with its whole history.
+
+    ``state`` is ``failed`` when no evaluation succeeded; ``error`` then counts the reasons. ``answer``: where the runs
+    after the search began, if there were any; their evaluations are in the history.
+    """
+
+    state: Literal["finished", "failed"]
+    stop_reasons: tuple[str, ...]
+    objective: float | None
+    parameters: dict[str, float] | None
+    best: Evaluation | None
+    best_generation: int | None
+    best_particle: int | None
+    evaluations: int
+    failed_evaluations: int
+    generations: int
+    seconds: float
+    seed: int
+    error: str | None
+    history: list[EvaluationRecord] = field(repr=False)
+    generation_records: list[GenerationRecord] = field(repr=False)
+    answer: Answer | None = field(default=None, repr=False)
+
+    def _repr_html_(self) -> str:
+        """Show the result in a notebook."""
+        facts = {
+            "state": self.state if self.error is None else f"{self.state}: {self.error}",
+            "objective": "-" if self.objective is None else f"{self.objective:.6g}",
+            "evaluations": f"{self.evaluations} in {self.generations} generations, {self.failed_evaluations} failed",
+            "stopped by": ", ".join(self.stop_reasons),
+            "time": f"{self.seconds:.3g} s",
+            "seed": str(self.seed),
+        }
+        return result_html("Calibration", facts, self.parameters, {})
+
+
+def generation_record(
+    problem: Problem, number: int, objectives: Sequence[float | None], after: Progress
+) -> GenerationRecord:
+    """Summarise a finished generation from its objectives and the progress after it."""
+    best = after.best
+    return GenerationRecord(
+        number=number,
+        evaluations=after.evaluations,
+        failed=after.failed,
+        best_objective=min((f for f in objectives if f is not None), default=None),
+        objective=best.objective if best else None,
+        parameters=problem.values(best.parameters.tolist()) if best else None,
+    )
+
+
+def no_success_message(reasons: Counter[str], first_message: str | None) -> str:
+    """Say why a calibration without one successful evaluation failed, with the reasons counted."""
+    counts = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
+    message = f"all {reasons.total()} evaluations failed ({counts})"
+    return f"{message}; first message: {first_message}" if first_message else message
