@@ -8,7 +8,7 @@ that a job can go on searching afterwards.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from geoswarm.solver.methods.base import FollowUpMethod
@@ -78,6 +78,16 @@ class Answer:
     def evaluations(self) -> int:
         """Evaluations of the search."""
         return self.parts[0].evaluations
+
+    def plan(self) -> dict[str, Any]:
+        """Return what tells how its evaluations are read, as plain JSON values, without the states of searches."""
+        parts = [{key: value for key, value in asdict(part).items() if key != "snapshot"} for part in self.parts]
+        return {"most": self.most, "objective": self.objective, "parts": parts}
+
+    @classmethod
+    def from_plan(cls, data: Mapping[str, Any]) -> Answer:
+        """Restore from :meth:`plan`: for reading alone."""
+        return cls(data["most"], data["objective"], (), {}, tuple(Part(**part, snapshot={}) for part in data["parts"]))
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Answer:

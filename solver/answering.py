@@ -14,12 +14,9 @@ import numpy as np
 from geoswarm.solver.answer import Answer, Part
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.errors import SolverError
-from geoswarm.solver.identifiability.noise import problem_noise
-from geoswarm.solver.identifiability.optimum.basins import equivalent_objective, exchangeable, heads_elsewhere
-from geoswarm.solver.identifiability.optimum.hidden import Unseen
 from geoswarm.solver.identifiability.optimum.profiles import profile_settings
 from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.identifiability.stored.exploring import other_starts
 from geoswarm.solver.identifiability.stored.findings import Findings, answer_of
 from geoswarm.solver.methods.base import FollowUpMethod, Maker, Task
 from geoswarm.solver.methods.explore import ExploreMethod
@@ -33,11 +30,7 @@ from geoswarm.solver.stopping import MaxSeconds, StopCriterion, evaluations_left
 __all__ = ["begin_answer", "go_on_answering"]
 
 _MOST_MINIMA = 4  # that sensitivities are calculated at
-_MOST_STARTS = 12  # of descents to other basins
-_MOST_SWAPS = 10  # pairs of parameters
-_HEIGHT = 2.0  # times as high as a basin reaches
 _BETTER = 1e-9  # relative decrease of the objective
-_SAME = 1e-9  # relative difference of parameters
 
 
 def begin_answer(
@@ -172,11 +165,11 @@ def _further(calibration: Calibration, progress: Progress, runs: Runs) -> Iterat
     last = max(place for place, method in enumerate(methods) if isinstance(method, SensitivityMethod))
     since = methods[last + 1 :]
     if not any(isinstance(method, ExploreMethod) for method in since):
-        points = _elsewhere(calibration, answer, findings, runs)[: min(_MOST_STARTS + _MOST_SWAPS, room)]
+        points = _elsewhere(calibration, answer, findings, runs)[:room]
         if points:
             listed = dict(zip(calibration.free_names, np.array(points).T.tolist(), strict=True))
             at = dict(zip(calibration.free_names, found.optimum.tolist(), strict=True))
-            yield ExploreMethod(at=at, points=listed, runs=room)
+            yield ExploreMethod(at=at, points=listed, runs=room, objective=findings.objective)
     bent = [name for name in found.names if found.bent(name)]
     if bent and not any(isinstance(method, ProfileMethod) for method in since):
         settings = profile_settings(calibration, found, parameters=bent)
@@ -188,35 +181,15 @@ def _further(calibration: Calibration, progress: Progress, runs: Runs) -> Iterat
 
 
 def _elsewhere(calibration: Calibration, answer: Answer, findings: Findings, runs: Runs) -> list[FloatArray]:
-    """Where to look for other basins, natural values: runs that point there, and exchangeable values swapped."""
-    found, best = findings.linearisation, findings.objective
-    assert found is not None
-    assert best is not None
-    first = _offered(calibration)
+    """Where to look for other basins, natural values: not where parts of the answer began to look already."""
+    assert findings.linearisation is not None
+    assert findings.objective is not None
+    first, names = _offered(calibration), calibration.free_names
     rows = slice(first, first + answer.evaluations)
     samples = Samples.from_arrays(calibration.problem, runs.positions[rows], runs.objectives[rows])
-    looked = [
-        np.array(place)
-        for part in answer.parts
-        if isinstance(part.method, ExploreMethod)
-        for place in zip(*(part.method.points[name] for name in calibration.free_names), strict=True)
-    ]
-    try:
-        limit = equivalent_objective(calibration, best, problem_noise(calibration.problem))
-        unseen = Unseen.of(samples, found, best, findings.explored)
-        left = unseen.unfinished(0.0, [samples.to_unit(place) for place in looked], height=_HEIGHT, made=True)
-        places = [place for place, _ in unseen.places_of(calibration.space, left)]
-        places += [samples.parameters[head] for head in heads_elsewhere(samples, found, limit, best)]
-    except SolverError:
-        return []
-    places = places[:_MOST_STARTS]
-    places += [place for _, _, place in exchangeable(calibration, found.optimum)[:_MOST_SWAPS]]
-    kept: list[FloatArray] = []
-    for place in places:
-        known = np.array([found.optimum, *looked, *kept])
-        if not np.isclose(known, place, rtol=_SAME, atol=0.0).all(axis=1).any():
-            kept.append(place)
-    return kept
+    explored = [part.method for part in answer.parts if isinstance(part.method, ExploreMethod)]
+    looked = [np.array(place) for one in explored for place in zip(*(one.points[name] for name in names), strict=True)]
+    return other_starts(calibration, samples, findings.linearisation, findings.objective, findings.explored, looked)
 
 
 def _offered(calibration: Calibration) -> int:

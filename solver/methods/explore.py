@@ -30,6 +30,9 @@ class ExploreMethod(FollowUpMethod):
         min_length=1, description="points to run: the same number of values for each free parameter"
     )
     runs: int = Field(100, ge=1, le=100_000, description="maximum of evaluations; descents use what the points leave")
+    objective: float | None = Field(
+        None, ge=0, description="at the optimum: a descent that promises to stay above ends"
+    )
     of: str | None = Field(None, min_length=1, max_length=64, description=OF_JOB)
 
     @property
@@ -68,7 +71,7 @@ class ExploreMethod(FollowUpMethod):
         from geoswarm.solver.search.descent.exploring import ExploreSearch
 
         points = np.array([self.points[name] for name in space.names], dtype=np.float64).T
-        return ExploreSearch(space, in_order(space, self.at), points, self.runs, snapshot)
+        return ExploreSearch(space, in_order(space, self.at), points, self.runs, self.objective, snapshot)
 
     def maker(self, task: Task) -> Maker:
         """Prepare to make it for a job."""

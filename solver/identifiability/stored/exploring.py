@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
-from geoswarm.solver.identifiability.optimum.basins import exchangeable, heads_elsewhere
+from geoswarm.solver.identifiability.noise import problem_noise
+from geoswarm.solver.identifiability.optimum.basins import equivalent_objective, exchangeable, heads_elsewhere
 from geoswarm.solver.identifiability.optimum.hidden import Unseen, places
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.problem import Problem, parse_problem
 
-__all__ = ["explore_problem"]
+__all__ = ["explore_problem", "other_starts"]
 
 _CANDIDATES = 2000
 _MOST_RUNS = 2000  # stored runs that are looked at: the best, and others spread evenly
-_MOST_SWAPS, _MOST_HEADS = 10, 4
+_MOST_SWAPS, _MOST_HEADS = 10, 12
+_HEIGHT = 2.0  # times as high as a basin reaches: descents cost little
+_SAME = 1e-9  # relative difference of parameters
 _LONGEST_NAME = 200
 
 
@@ -61,15 +66,11 @@ def explore_problem(
     calibration = Calibration(problem, seed)
     optimum = samples.parameters[samples.best]
     first = max((runs + 1) // 2, 1)
-    found = [swapped for _, _, swapped in exchangeable(calibration, optimum)[:_MOST_SWAPS]]
+    if linearisation is None:
+        found = [swapped for _, _, swapped in exchangeable(calibration, optimum)[:_MOST_SWAPS]]
+    else:
+        found = other_starts(calibration, samples, linearisation, float(samples.objectives[samples.best]))
     found = [place for place in found if calibration.space.feasible(place)]
-    if linearisation is not None:
-        lowest = float(samples.objectives[samples.best])
-        unseen = Unseen.of(samples, linearisation, lowest)
-        found += [place for place, _ in unseen.places_of(calibration.space, unseen.unfinished(0.0))][:_MOST_HEADS]
-        heads = heads_elsewhere(samples, linearisation, float(samples.objectives.max()), lowest)
-        found += list(samples.parameters[heads[:_MOST_HEADS]])
-    found = list({tuple(place): place for place in found}.values())
     found = found[: max(first // 2, 1)]
     found += list(_least_excluded(calibration, samples, linearisation, first - len(found), seed))
     points = np.array(found).reshape(-1, samples.dimension)
@@ -82,6 +83,44 @@ def explore_problem(
     name = f"{problem.name}, explore"[:_LONGEST_NAME]
     document = problem.document() | {"name": name, "method": method, "stopping": {}, "seed": seed}
     return parse_problem(document, programs=problem.forward_model.runs_programs)
+
+
+def other_starts(
+    calibration: Calibration,
+    samples: Samples,
+    linearisation: Linearisation,
+    best: float,
+    explored: Sequence[tuple[FloatArray, float]] = (),
+    looked: Sequence[FloatArray] = (),
+) -> list[FloatArray]:
+    """Where descents to other basins may begin, natural values, each of shape (d,).
+
+    The optimum with the values of exchangeable parameters swapped, and the best runs that point to other basins.
+
+    Parameters
+    ----------
+    samples
+        Runs of the search.
+    linearisation, best
+        At the optimum, and the objective there.
+    explored
+        Parameters and objectives of further runs.
+    looked
+        Where descents have begun already: not again.
+    """
+    limit = equivalent_objective(calibration, best, problem_noise(calibration.problem))
+    unseen = Unseen.of(samples, linearisation, best, explored)
+    left = unseen.unfinished(0.0, [samples.to_unit(place) for place in looked], height=_HEIGHT, made=True)
+    heads = heads_elsewhere(samples, linearisation, limit, best)
+    places = [place for _, _, place in exchangeable(calibration, linearisation.optimum)[:_MOST_SWAPS]]
+    places += [place for place, _ in unseen.places_of(calibration.space, left)][:_MOST_HEADS]
+    places += list(samples.parameters[heads[:_MOST_HEADS]])
+    kept: list[FloatArray] = []
+    for place in places:
+        known = np.array([linearisation.optimum, *looked, *kept])
+        if not np.isclose(known, place, rtol=_SAME, atol=0.0).all(axis=1).any():
+            kept.append(place)
+    return kept
 
 
 def _least_excluded(

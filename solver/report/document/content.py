@@ -158,7 +158,7 @@ def _card(
     value = None if record.best is None else record.best.parameters[name]
     label = labels[name]
     remark = ""
-    polished = _polished(optimum, uncertainty)
+    polished = _polished(optimum, uncertainty, record.best)
     if polished is not None:
         remark = f"polished; best evaluation {_quantity(value, label.unit)}"
         value = polished[name]
@@ -175,12 +175,13 @@ def _card(
     )
 
 
-def _polished(optimum: Optimum | None, uncertainty: Uncertainty) -> dict[str, float] | None:
-    """Free parameters at the polished optimum; None where nobody went there."""
+def _polished(optimum: Optimum | None, uncertainty: Uncertainty, best: BestFit | None) -> dict[str, float] | None:
+    """Free parameters at the polished optimum; None where nobody went there, or it is the best evaluation itself."""
     findings = uncertainty.findings
     if optimum is not None:
         return dict(zip(optimum.linearisation.names, optimum.polished.parameters.tolist(), strict=True))
-    if findings.linearisation is None or findings.objective is None or findings.objective == findings.start_objective:
+    known = (findings.start_objective, None if best is None else best.objective)
+    if findings.linearisation is None or findings.objective is None or findings.objective in known:
         return None
     return dict(zip(findings.linearisation.names, findings.linearisation.optimum.tolist(), strict=True))
 
@@ -207,8 +208,8 @@ def _tables(
     tables = []
     best = record.best
     if best is not None:
-        tables.append(_parameter_table(problem, best.parameters, statistics, labels, optimum, uncertainty))
-        tables += _laboratory_tables(problem, best, statistics, _polished(optimum, uncertainty))
+        tables.append(_parameter_table(problem, best, statistics, labels, optimum, uncertainty))
+        tables += _laboratory_tables(problem, best, statistics, _polished(optimum, uncertainty, best))
         unit = objective_unit(problem)
         rows = [
             (
@@ -240,7 +241,7 @@ def _tables(
 
 def _parameter_table(
     problem: Problem,
-    values: dict[str, float],
+    best: BestFit,
     statistics: Statistics | None,
     labels: dict[str, ParameterLabel],
     optimum: Optimum | None,
@@ -248,7 +249,7 @@ def _parameter_table(
 ) -> Table:
     rows = []
     doubt = _doubt(statistics)
-    free = _polished(optimum, uncertainty)
+    values, free = best.parameters, _polished(optimum, uncertainty, best)
     polished = None if free is None else problem.values([free[name] for name in problem.free_names])
     for name, parameter in problem.parameters.items():
         label = labels[name]

@@ -11,14 +11,16 @@ from typing import Any
 
 import numpy as np
 
+from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability import Samples
+from geoswarm.solver.identifiability.stored.findings import answer_of, join_findings
 from geoswarm.solver.identifiability.stored.posterior import sample_posterior
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.build import Report, linearise_here, linearise_stored
-from geoswarm.solver.report.folder.folder_findings import findings_of_folder
+from geoswarm.solver.report.folder.folder_findings import evaluations_of_folder, findings_of_folder
 from geoswarm.solver.report.folder.folder_tables import column, read_table
 from geoswarm.solver.report.folder.tables import parameter_column
 from geoswarm.solver.report.record import BestFit, RunRecord
@@ -36,11 +38,15 @@ class FolderError(SolverError):
 
 @dataclass(frozen=True, slots=True)
 class StoredRun:
-    """Problem, record and successful evaluations of a run that was written to a folder."""
+    """Problem, record and successful evaluations of the search of a run that was written to a folder.
+
+    ``answer``: the runs after the search, with their evaluations.
+    """
 
     problem: Problem
     record: RunRecord
     samples: Samples
+    answer: tuple[Answer, list[Evaluation]] | None = None
 
 
 def run_of_folder(folder: Path) -> StoredRun:
@@ -72,10 +78,14 @@ def run_of_folder(folder: Path) -> StoredRun:
         result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
         rows = read_table(folder / "evaluations.csv")
         record = _record(problem, result, rows, read_table(folder / "generations.csv"))
-        samples = _samples(problem, rows, folder / "responses.npz")
+        samples, after = _samples(problem, rows, folder / "responses.npz"), None
+        if result.get("answer") is not None:
+            answer = Answer.from_plan(result["answer"])
+            samples = samples.select(samples.generations < answer.generation)
+            after = answer, evaluations_of_folder(folder, problem)[answer.evaluations :]
     except (KeyError, ValueError, TypeError) as error:
         raise FolderError(f"{folder} cannot be read as a run: {type(error).__name__}: {error}") from error
-    return StoredRun(problem, record, samples)
+    return StoredRun(problem, record, samples, after)
 
 
 def report_of_folder(
@@ -109,6 +119,8 @@ def report_of_folder(
     problem, samples, seed = stored.problem, stored.samples, stored.record.seed
     try:
         findings = findings_of_folder(folder, problem, noise=noise)
+        if stored.answer is not None:
+            findings = join_findings([findings, answer_of(Calibration(problem, seed), *stored.answer, noise=noise)])
     except (KeyError, ValueError, TypeError) as error:
         raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
     swarm = problem.method.role == "search" and samples.size > 0

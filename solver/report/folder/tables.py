@@ -71,6 +71,7 @@ def result_document(problem: Problem, result: CalibrationResult, optimum: Optimu
         "seconds": result.seconds,
         "seed": result.seed,
         "error": result.error,
+        "answer": None if result.answer is None else result.answer.plan(),
         "versions": dict(versions()),
         "polished": polished
         and {

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs, latest_residuals
+from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.base import Snapshot
-from geoswarm.solver.search.descent.descent import Descent
+from geoswarm.solver.search.descent.refinement import Refinement
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["ExploreSearch"]
 
 _APART = 0.1  # parts of the range to the nearest better point: a basin of its own
+_AT_OPTIMUM = 0.01  # parts of the range
 _AT_ONCE = 3  # descents
+_LONGEST = 40  # iterations
 
 
 class ExploreSearch:
-    """Points first; then Levenberg-Marquardt from those without a better one nearby (nearest-better clustering).
+    """Points first; then descents from those without a better one nearby (nearest-better clustering).
+
+    A descent ends where it comes to the known optimum, or promises to stay above it.
 
     Parameters
     ----------
@@ -28,60 +34,78 @@ class ExploreSearch:
         Shape (n, d), natural values.
     runs
         Evaluations at most.
+    objective
+        At the optimum; None where it is not known.
     """
 
     def __init__(
-        self, space: SearchSpace, optimum: FloatArray, points: FloatArray, runs: int, snapshot: Snapshot | None = None
+        self,
+        space: SearchSpace,
+        optimum: FloatArray,
+        points: FloatArray,
+        runs: int,
+        objective: float | None = None,
+        snapshot: Snapshot | None = None,
     ) -> None:
         self._space, self._optimum, self._points, self._runs = space, optimum, points, runs
+        self._known = objective
         self.generation = 0
         self._spent = 0
-        self._waiting: list[list[float]] = []
-        self._descents: list[Descent] = []
+        self._waiting: list[int] = []
+        self._descents: list[Refinement] = []
         if snapshot is not None:
             self.generation, self._spent = snapshot["generation"], snapshot["spent"]
-            self._waiting = [list(start) for start in snapshot["waiting"]]
-            self._descents = [Descent.from_json(descent) for descent in snapshot["descents"]]
+            self._waiting = list(snapshot["waiting"])
+            self._descents = [Refinement.from_json(descent) for descent in snapshot["descents"]]
 
     def ask(self) -> FloatArray | None:
         """Positions of the current generation; None when all descents have ended, or the runs are spent."""
         if self.generation == 0:
             return self._points
-        return np.concatenate([d.positions(self._space) for d in self._descents]) if self._descents else None
+        parts = [descent.asked for descent in self._descents]
+        return self._space.from_unit(np.concatenate(parts)) if parts else None
 
     def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
         """Take the results of the current generation."""
+        if runs is None:
+            raise ValueError("an exploration needs the runs so far")
         self._spent += len(objectives)
+        first = len(runs.positions) - len(objectives)
         with one_thread():
             if self.generation == 0:
-                self._waiting = self._starts(objectives)
+                self._waiting = [first + point for point in self._starts(objectives)]
             else:
-                rows = latest_residuals(runs, len(objectives))
-                size = 2 * self._space.dimension + 1
-                parts = [rows[i * size : (i + 1) * size] for i in range(len(self._descents))]
-                advanced = [d.advance(own) for d, own in zip(self._descents, parts, strict=True)]
-                self._descents = [descent for descent in advanced if not descent.finished]
-        self._fill()
+                going = []
+                for descent in self._descents:
+                    first += len(descent.asked)
+                    so_far = replace(runs, positions=runs.positions[:first], objectives=runs.objectives[:first])
+                    after = descent.advance(self._space, so_far, _LONGEST)
+                    if not after.finished and not self._back(after):
+                        going.append(after)
+                self._descents = going
+            self._fill(runs)
         self.generation += 1
 
-    def _starts(self, objectives: FloatArray) -> list[list[float]]:
-        """Points without a better one nearby, the best first, parts of the range; the optimum is better than all."""
+    def _starts(self, objectives: FloatArray) -> list[int]:
+        """Points without a better one nearby, the best first; the optimum is better than all."""
         good = np.flatnonzero(np.isfinite(objectives))
         order = good[np.argsort(objectives[good], kind="stable")]
         unit = self._space.to_unit(np.concatenate([self._optimum[None], self._points[order]]))
-        return [
-            unit[i].tolist()
-            for i in range(1, len(unit))
-            if float(np.abs(unit[:i] - unit[i]).max(axis=1).min()) > _APART
-        ]
+        apart = [float(np.abs(unit[:i] - unit[i]).max(axis=1).min()) > _APART for i in range(1, len(unit))]
+        return [int(point) for point, far in zip(order, apart, strict=True) if far]
 
-    def _fill(self) -> None:
+    def _back(self, descent: Refinement) -> bool:
+        """Whether a descent has come to the known optimum."""
+        return float(np.abs(descent.current - self._space.to_unit(self._optimum)).max()) <= _AT_OPTIMUM
+
+    def _fill(self, runs: Runs) -> None:
         """Keep so many descents going as the runs left allow."""
-        room = (self._runs - self._spent) // (2 * self._space.dimension + 1)
-        most = min(_AT_ONCE, room)
-        while self._waiting and len(self._descents) < most:
-            self._descents.append(Descent(np.array(self._waiting.pop(0))))
-        self._descents = self._descents[:most]
+        while self._waiting and len(self._descents) < _AT_ONCE:
+            begun = Refinement.begin(self._space, runs, self._waiting.pop(0), self._known)
+            if not begun.finished:
+                self._descents.append(begun)
+        while sum(len(descent.asked) for descent in self._descents) > self._runs - self._spent:
+            self._descents.pop()
 
     def snapshot(self) -> Snapshot:
         """State between two generations, JSON-able."""
