@@ -57,8 +57,8 @@ class Answer:
         Lowest one of the search.
     reasons
         Why the search ended.
-    search
-        State of the search with its next generation, as :meth:`geoswarm.solver.progress.Progress.to_json` writes it.
+    positions, ahead
+        What the search would have asked for next, and ahead of its results: lists, natural values.
     parts
         Follow-ups so far; the last one goes on.
     """
@@ -66,7 +66,8 @@ class Answer:
     most: int
     objective: float
     reasons: tuple[str, ...]
-    search: Mapping[str, Any]
+    positions: list[list[float]]
+    ahead: list[list[float]] | None = None
     parts: tuple[Part, ...] = ()
 
     @property
@@ -87,7 +88,8 @@ class Answer:
     @classmethod
     def from_plan(cls, data: Mapping[str, Any]) -> Answer:
         """Restore from :meth:`plan`: for reading alone."""
-        return cls(data["most"], data["objective"], (), {}, tuple(Part(**part, snapshot={}) for part in data["parts"]))
+        parts = tuple(Part(**part, snapshot={}) for part in data["parts"])
+        return cls(data["most"], data["objective"], (), [], parts=parts)
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any]) -> Answer:

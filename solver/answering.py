@@ -52,7 +52,9 @@ def begin_answer(
         return None
     free, quick = calibration.space.dimension, problem.forward_model.quick
     most, left = problem.answer.most(free, ended.evaluations, quick=quick), evaluations_left(limits, ended.evaluations)
-    answer = Answer(most if left is None else min(most, left), best.objective, reasons, ended.to_json())
+    ahead = None if ended.ahead is None else ended.ahead.tolist()
+    most = most if left is None else min(most, left)
+    answer = Answer(most, best.objective, reasons, ended.positions.tolist(), ahead)
     begun = _begin(calibration, ended, answer, _sensitivity(calibration, best, answer.most))
     return None if begun is None else Step(begun, ())
 

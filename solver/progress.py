@@ -74,13 +74,11 @@ class Progress:
     answer: Answer | None = None
 
     def going_on(self) -> Progress:
-        """Return the search after its answer: it asks for what it would have asked for, and knows the best of all."""
+        """Return the search after the runs that followed it: it asks for what it would have asked for."""
         if self.answer is None:
             return self
-        search = Progress.from_json(self.answer.search)
-        return replace(
-            search, generation=self.generation, evaluations=self.evaluations, failed=self.failed, best=self.best
-        )
+        ahead = None if self.answer.ahead is None else np.array(self.answer.ahead)
+        return replace(self, positions=np.array(self.answer.positions), ahead=ahead, ahead_begun=False, answer=None)
 
     def stagnant(self, method: Method) -> int:
         """Generations without a lower objective; where their size follows the slots, of ten runs each at least."""

@@ -93,6 +93,8 @@ def change_stopping(
 
 def _refuse_to_stand_still(locked: LockedJob, problem: Problem) -> None:
     progress = Progress.from_json(unpack_json(locked.row.progress))
+    if locked.row.state != "cancelled":
+        progress = progress.going_on()
     if not len(progress.positions):
         raise NothingLeftError(f"the search of job {locked.id} has nothing left to evaluate")
     status = SwarmStatus(

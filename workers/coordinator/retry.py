@@ -125,7 +125,12 @@ def finish_retry(
         .values(state="failed", worker=None, lease_expires_at=None, finished_at=locked.now)
     )
     progress = Progress.from_json(unpack_json(row.progress))
-    best = progress.best if problem is None else _best(connection, here)
+    best = progress.best
+    if problem is not None:
+        answer = progress.answer  # neighbours of the minimum may be lower by chance
+        searched = here if answer is None else and_(here, evaluations.c.generation < answer.generation)
+        found = _best(connection, searched)
+        best = found if best is None or (found is not None and found.objective < best.objective) else best
     counted = select(evaluations.c.reason, func.count()).where(here, text("evaluations.state = 'failed'"))
     reasons: Counter[str] = Counter()
     for reason, count in connection.execute(counted.group_by(evaluations.c.reason)):
