@@ -39,6 +39,7 @@ os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_N
 from geoswarm import Client, GeoswarmError
 from geoswarm.records.job import Job
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.system.processes import memory_below
@@ -154,7 +155,7 @@ _pool_calibration: Calibration | None = None
 def _prepare(document: dict[str, Any]) -> None:
     global _pool_calibration
     _pool_calibration = Calibration(parse_problem(document), 3)
-    _pool_calibration.evaluate(_pool_calibration.start().positions[0])
+    _pool_calibration.evaluate(Course(_pool_calibration).start().positions[0])
 
 
 def _evaluate(position: Any) -> float | None:
@@ -166,7 +167,7 @@ def _evaluate(position: Any) -> float | None:
 def bare_pool(document: dict[str, Any]) -> float:
     """Return the wall time [s] of as many runs in generations in a process pool."""
     calibration = Calibration(parse_problem(document), 3)
-    positions = list(calibration.start().positions)
+    positions = list(Course(calibration).start().positions)
     with multiprocessing.get_context("fork").Pool(WORKERS, _prepare, (document,)) as pool:
         pool.map(_evaluate, positions[:WORKERS], chunksize=1)
         began = time.perf_counter()

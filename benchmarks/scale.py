@@ -44,6 +44,7 @@ import psycopg
 
 from benchmarks._postgres import PostgresWork
 from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.course import Course
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.system.processes import memory_of
 from geoswarm.workers.coordinator.runtime import Runtime
@@ -104,7 +105,7 @@ class Job:
         assert row is not None
         self.id = job_id
         self.workers = workers
-        self.calibration = Calibration(parse_problem(unpack_problem(row.problem)), row.seed)
+        self.course = Course(Calibration(parse_problem(unpack_problem(row.problem)), row.seed))
         self.bell = asyncio.Condition()
 
     async def ring(self, times: int) -> None:
@@ -151,7 +152,7 @@ class Load:
             self._count(time.perf_counter() - asked, len(hand_in.results))
             hand_in, turn = HandIn(), False
             if answer.queued:
-                start = job.calibration.start(job.workers)
+                start = job.course.start(job.workers)
                 await loop.run_in_executor(self.pool, self.runtime.start, job.id, start)
                 await job.ring(job.workers)
                 continue
@@ -166,12 +167,12 @@ class Load:
         if self.alone:
             return self.together(job, [Asked(name, hand_in, job.workers, want=True, taken_up=turn)])[0]
         return self.runtime.exchange(
-            job.id, name, job.calibration, hand_in, live_workers=job.workers, want=True, taken_up=turn
+            job.id, name, job.course, hand_in, live_workers=job.workers, want=True, taken_up=turn
         )
 
     def together(self, job: Job, asked: list[Asked]) -> list[Exchange]:
         """Exchange for several workers in one transaction."""
-        return self.runtime._exchange(job.id, job.calibration, asked)
+        return self.runtime._exchange(job.id, job.course, asked)
 
     async def _run(self, claim: Claim) -> HandIn:
         results = self.made_up(claim)
@@ -300,7 +301,7 @@ def costs(server: PostgresServer, together: list[int]) -> None:
             service = JobService(store, MuteDoorbell(), settings)
             job = Job(store, service.submit(parse_problem(problem(particles)))[0].id, particles)
             runtime = Runtime(store, settings)
-            runtime.start(job.id, job.calibration.start(particles))
+            runtime.start(job.id, job.course.start(particles))
             assert server.pid is not None
             watch = Server(url, server.pid)
             load = Load(runtime, [job], 60.0, 0.0, 1)

@@ -37,6 +37,7 @@ def line_problem(**changes: Any) -> dict[str, Any]:
         "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [1, 3, 5]}}],
         "method": {"kind": "particle_swarm", "particles": 6},
         "stopping": {"max_evaluations": 60},
+        "answer": {"max_evaluations": "off"},
         "seed": 7,
     } | changes
 

@@ -64,9 +64,9 @@ def test_jobs_runs_and_seconds_are_counted_over_all_processes(
 def test_what_waits_is_the_queue_depth(app: App, service: JobService, settings: Settings) -> None:
     job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
     worker = Worker(service.store, MuteDoorbell(), settings, Identity.new("embedded"))
-    calibration = worker._calibration(job)
-    assert calibration is not None
-    worker.runtime.start(job, calibration.start())
+    course = worker._course(job)
+    assert course is not None
+    worker.runtime.start(job, course.start())
     assert samples(app)["geoswarm_queue_depth", ""] == 6
 
 

@@ -25,7 +25,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.servers import PostgresServer, find_program
 from tests.workers.hand import Hand, runtime_for
-from tests.workers.problems import calibration, expected_history, line, recorded_history
+from tests.workers.problems import course, expected_history, line, recorded_history
 
 PROBLEM = line(stopping={"max_evaluations": 60})
 
@@ -39,7 +39,7 @@ def begin(store: Store, settings: Settings) -> tuple[str, str, str]:
     service = JobService(store, MuteDoorbell(), settings)
     ids = [service.submit(PROBLEM, idempotency_key=name)[0].id for name in ("done", "half", "queued")]
     finish(store, settings, ids[0])
-    hand = Hand(runtime_for(store, settings), ids[1], "lost", calibration(PROBLEM))
+    hand = Hand(runtime_for(store, settings), ids[1], "lost", course(PROBLEM))
     hand.take()
     for _ in range(5):
         hand.hand_in(1)

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Progress, choose_seed
+from geoswarm.solver.calibration import Calibration, choose_seed
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod, swarm_settings
+from geoswarm.solver.progress import Progress
 from tests.solver.problems import decay_problem
 
 
@@ -57,61 +59,61 @@ def test_whatever_a_forward_model_raises_is_a_failed_evaluation(
 
 
 def test_progress_survives_json_bit_for_bit() -> None:
-    calibration = Calibration(decay_problem(), seed=3)
-    progress = calibration.start()
+    course = Course(Calibration(decay_problem(), seed=3))
+    progress = course.start()
     for _ in range(4):
         restored = Progress.from_json(json.loads(json.dumps(progress.to_json(), allow_nan=False)))
         assert restored.to_json() == progress.to_json()
-        objectives = [calibration.evaluate(p).objective for p in progress.positions]
-        step, again = (calibration.advance(p, objectives, 1.0) for p in (progress, restored))
+        objectives = [course.calibration.evaluate(p).objective for p in progress.positions]
+        step, again = (course.advance(p, objectives, 1.0) for p in (progress, restored))
         assert step.progress.to_json() == again.progress.to_json()
         progress = step.progress
 
 
 def test_advance_counts_and_keeps_the_earliest_best() -> None:
-    calibration = Calibration(decay_problem(), seed=3)
-    first = calibration.start()
-    step = calibration.advance(first, [None, 2.0, 1.0, 1.0, 3.0, None, 9.0, 9.0], 1.0)
+    course = Course(Calibration(decay_problem(), seed=3))
+    first = course.start()
+    step = course.advance(first, [None, 2.0, 1.0, 1.0, 3.0, None, 9.0, 9.0], 1.0)
     best = step.progress.best
     assert best is not None
     assert (best.objective, best.generation, best.particle) == (1.0, 0, 2)
     assert best.parameters.tolist() == first.positions[2].tolist()
     assert (step.progress.evaluations, step.progress.failed, step.progress.stagnation) == (8, 2, 0)
-    later = calibration.advance(step.progress, [1.0] * 8, 2.0)
+    later = course.advance(step.progress, [1.0] * 8, 2.0)
     assert later.progress.best is not None
     assert (later.progress.best.generation, later.progress.stagnation) == (0, 1)
 
 
 def test_stop_reasons_are_all_reported() -> None:
     problem = decay_problem(stopping={"max_evaluations": 8, "target_objective": 1.0, "max_seconds": 5.0})
-    calibration = Calibration(problem, seed=3)
-    step = calibration.advance(calibration.start(), [0.5] * 8, 6.0)
+    course = Course(Calibration(problem, seed=3))
+    step = course.advance(course.start(), [0.5] * 8, 6.0)
     assert step.stop_reasons == ("target_objective", "max_evaluations", "max_seconds")
-    assert calibration.advance(calibration.start(), [1.5] * 8, 4.0).stop_reasons == ("max_evaluations",)
+    assert course.advance(course.start(), [1.5] * 8, 4.0).stop_reasons == ("max_evaluations",)
 
 
 def test_a_sampling_ends_with_its_samples() -> None:
     problem = decay_problem(method={"kind": "monte_carlo", "samples": 30, "batch": 20}, stopping=None)
-    calibration = Calibration(problem, seed=3)
-    step = calibration.advance(calibration.start(), [1.0] * 20, 1.0)
+    course = Course(Calibration(problem, seed=3))
+    step = course.advance(course.start(), [1.0] * 20, 1.0)
     assert (step.stop_reasons, len(step.progress.positions)) == ((), 10)
-    assert calibration.advance(step.progress, [1.0] * 10, 1.0).stop_reasons == ("samples_completed",)
+    assert course.advance(step.progress, [1.0] * 10, 1.0).stop_reasons == ("samples_completed",)
 
 
 @pytest.mark.parametrize("sampling", ["random", "latin_hypercube", "sobol"])
 def test_a_sampling_ends_before_its_samples_when_fewer_evaluations_are_allowed(sampling: str) -> None:
     method = {"kind": "monte_carlo", "samples": 1_000_000, "batch": 20, "sampling": sampling}
-    calibration = Calibration(decay_problem(method=method, stopping={"max_evaluations": 30}), seed=3)
-    step = calibration.advance(calibration.start(), [1.0] * 20, 1.0)
+    course = Course(Calibration(decay_problem(method=method, stopping={"max_evaluations": 30}), seed=3))
+    step = course.advance(course.start(), [1.0] * 20, 1.0)
     assert (step.stop_reasons, len(step.progress.positions)) == ((), 10)
-    assert calibration.advance(step.progress, [1.0] * 10, 1.0).stop_reasons == ("max_evaluations",)
+    assert course.advance(step.progress, [1.0] * 10, 1.0).stop_reasons == ("max_evaluations",)
 
 
 def test_advance_is_pure() -> None:
-    calibration = Calibration(decay_problem(), seed=3)
-    progress = calibration.start()
+    course = Course(Calibration(decay_problem(), seed=3))
+    progress = course.start()
     before = json.dumps(progress.to_json())
-    calibration.advance(progress, [1.0] * 8, 1.0)
+    course.advance(progress, [1.0] * 8, 1.0)
     assert json.dumps(progress.to_json()) == before
 
 

@@ -6,34 +6,34 @@ from dataclasses import replace
 
 from sqlalchemy import update
 
-from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import evaluations, jobs, workers
-from tests.workers.problems import calibration, line
+from tests.workers.problems import course, line
 
 PROBLEM = line(stopping={"max_evaluations": 60})
-CALIBRATION = calibration(PROBLEM)
+COURSE = course(PROBLEM)
 
 
 class Hand:
     """A worker that does only what it is told."""
 
-    def __init__(self, runtime: Runtime, job_id: str, name: str, calibration: Calibration = CALIBRATION) -> None:
+    def __init__(self, runtime: Runtime, job_id: str, name: str, course: Course = COURSE) -> None:
         self.runtime = runtime
         self.job_id = job_id
         self.name = name
-        self.calibration = calibration
+        self.course = course
         self.claim: Claim | None = None
 
     def exchange(self, hand_in: HandIn, *, want: bool = True) -> Exchange:
         answer = self.runtime.exchange(
-            self.job_id, self.name, self.calibration, hand_in, live_workers=2, want=want, taken_up=True
+            self.job_id, self.name, self.course, hand_in, live_workers=2, want=want, taken_up=True
         )
         if answer.queued:
-            self.runtime.start(self.job_id, self.calibration.start())
+            self.runtime.start(self.job_id, self.course.start())
             return self.exchange(hand_in, want=want)
         self.claim = answer.claim
         return answer
@@ -45,7 +45,7 @@ class Hand:
         claim = self.claim
         assert claim is not None
         triples = list(zip(claim.particles, claim.attempts, claim.positions, strict=True))[:count]
-        results = [Result(p, a, self.calibration.evaluate(x), claim.now, claim.now + 1.0) for p, a, x in triples]
+        results = [Result(p, a, self.course.calibration.evaluate(x), claim.now, claim.now + 1.0) for p, a, x in triples]
         return HandIn(claim, (), claim.generation, results)
 
     def hand_in(self, count: int | None = None, *, want: bool = True) -> Exchange:

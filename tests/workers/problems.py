@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.service.job_service import JobService
@@ -23,6 +24,7 @@ def line(**changes: Any) -> Problem:
         "observations": [{"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1, 3, 5, 7]}}],
         "method": {"kind": "particle_swarm", "particles": 6},
         "stopping": {"max_evaluations": 120},
+        "answer": {"max_evaluations": "off"},
         "seed": 7,
     }
     return parse_problem(document | changes)
@@ -58,7 +60,7 @@ def recorded_history(service: JobService, job_id: str) -> History:
     ]
 
 
-def calibration(problem: Problem) -> Calibration:
+def course(problem: Problem) -> Course:
     """The problem made ready, with its own seed."""
     assert problem.seed is not None
-    return Calibration(problem, problem.seed)
+    return Course(Calibration(problem, problem.seed))

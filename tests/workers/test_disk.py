@@ -14,7 +14,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import evaluations
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
-from tests.workers.hand import CALIBRATION, PROBLEM, Hand, runtime_for
+from tests.workers.hand import COURSE, PROBLEM, Hand, runtime_for
 from tests.workers.problems import expected_history, line, recorded_history
 
 ALICE, BOB, ADMIN = Principal("alice", "submit", "a"), Principal("bob", "submit", "b"), Principal("root", "admin", "r")
@@ -102,7 +102,7 @@ def test_without_room_finished_runs_come_in_and_none_goes_out(
     store: Store, service: JobService, settings: Settings
 ) -> None:
     job_id = service.submit(PROBLEM)[0].id
-    one, two = (Hand(runtime_for(store, settings), job_id, name, CALIBRATION) for name in ("w1", "w2"))
+    one, two = (Hand(runtime_for(store, settings), job_id, name, COURSE) for name in ("w1", "w2"))
     one.take()
     two.take()
     assert one.claim is not None

@@ -28,13 +28,13 @@ from geoswarm.workers.states.job import (
     Transition,
     apply,
 )
-from tests.workers.problems import calibration, line
+from tests.workers.problems import course, line
 
 # the textbook swarm: these tests make up objectives for which there are no responses
 SWARM = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
 PROBLEM = line(method=SWARM, stopping={"max_evaluations": 24})
-CALIBRATION = calibration(PROBLEM)
-START = CALIBRATION.start()
+COURSE = course(PROBLEM)
+START = COURSE.start()
 SUCCESS = st.floats(0, 1e6)
 RESULTS = st.lists(
     st.one_of(
@@ -55,7 +55,7 @@ def run(events: Sequence[JobEvent]) -> list[Transition]:
     transitions = [Transition(Job())]
     for event in events:
         try:
-            transitions.append(apply(transitions[-1].job, event, CALIBRATION))
+            transitions.append(apply(transitions[-1].job, event, COURSE))
         except InvalidTransitionError:
             continue
     return transitions
@@ -92,8 +92,8 @@ def test_invariants_hold_whatever_the_order(events: list[JobEvent]) -> None:
 def test_a_generation_that_joins_twice_counts_once() -> None:
     started = apply(Job(), JobStarted(START)).job
     event = GenerationJoined(0, [Joined(float(i)) for i in range(6)], 1.0)
-    once = apply(started, event, CALIBRATION)
-    twice = apply(once.job, event, CALIBRATION)
+    once = apply(started, event, COURSE)
+    twice = apply(once.job, event, COURSE)
     assert once.job.generations == 1
     assert twice == Transition(once.job)
 
@@ -117,7 +117,7 @@ def test_without_one_success_the_job_fails_with_the_reasons_counted() -> None:
     job = apply(Job(), JobStarted(START)).job
     results = [Joined(None, "diverged", "step 3")] * 4 + [Joined(None, "not_finite", "y")] * 2
     while job.state == "running":
-        job = apply(job, GenerationJoined(job.generation, results, 1.0), CALIBRATION).job
+        job = apply(job, GenerationJoined(job.generation, results, 1.0), COURSE).job
     assert job.state == "failed"
     assert job.error == "all 24 evaluations failed (16 diverged, 8 not_finite); first message: step 3"
 
@@ -136,4 +136,4 @@ def test_an_ended_job_refuses_requests_and_says_what_is_accepted(event: JobEvent
 def test_joining_too_few_results_is_an_error_of_the_program() -> None:
     started = apply(Job(), JobStarted(START)).job
     with pytest.raises(ValueError, match="joins 1 results of 6 particles"):
-        apply(started, GenerationJoined(0, [Joined(1.0)], 1.0), CALIBRATION)
+        apply(started, GenerationJoined(0, [Joined(1.0)], 1.0), COURSE)

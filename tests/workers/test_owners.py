@@ -111,12 +111,12 @@ def test_workers_do_not_tell_what_they_do_for_others(service: JobService, make_w
     job, _ = service.on_behalf_of(ALICE).submit(problem())
     worker = make_worker()
     worker.start()
-    calibration = worker._calibration(job.id)
-    assert calibration is not None
-    worker.runtime.start(job.id, calibration.start())
+    course = worker._course(job.id)
+    assert course is not None
+    worker.runtime.start(job.id, course.start())
     from geoswarm.workers.coordinator.work import HandIn
 
-    worker.runtime.exchange(job.id, worker.identity.id, calibration, HandIn(), live_workers=1, want=True)
+    worker.runtime.exchange(job.id, worker.identity.id, course, HandIn(), live_workers=1, want=True)
     (own,) = service.on_behalf_of(ALICE).workers()
     (other,) = service.on_behalf_of(BOB).workers()
     assert (own.job, own.generation, own.evaluations, own.state) == (job.id, 0, 1, "busy")

@@ -18,7 +18,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import attempts, evaluations, jobs
 from tests.workers.conftest import MakeWorker
 from tests.workers.hand import PROBLEM, Hand, finish, pass_time, runtime_for
-from tests.workers.problems import calibration, expected_history, line, recorded_history
+from tests.workers.problems import course, expected_history, line, recorded_history
 
 PATIENT = line(stopping={"max_evaluations": 60}, failures={"retry": {"worker_lost": 1000}})
 EXPECTED = expected_history(PROBLEM)
@@ -201,7 +201,7 @@ def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
     # a search that learns from the runs goes through the database after each generation
     swarm = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
     problem = line(method=swarm, stopping={"max_evaluations": 60})
-    textbook, expected = calibration(problem), expected_history(problem)
+    textbook, expected = course(problem), expected_history(problem)
     job_id = service.submit(problem)[0].id
     runtime = Runtime(store, settings)
     store.write(lambda c: c.execute(update(jobs).values(typical_seconds=1e-5)))
@@ -284,7 +284,7 @@ def test_cancel_in_mid_generation_stops_dispatch(
 def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Settings, service: JobService) -> None:
     problem = line(stopping={"max_evaluations": 10**6, "max_seconds": 10_000.0})
     job_id = service.submit(problem)[0].id
-    made = calibration(problem)
+    made = course(problem)
     hand = Hand(runtime_for(store, settings, lease_seconds=600.0), job_id, "w1", made)
     hand.take()
     service.pause(job_id)

@@ -16,7 +16,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.workers.conftest import ON_SQLITE
 from tests.workers.hand import Hand, finish, runtime_for
-from tests.workers.problems import calibration, line
+from tests.workers.problems import course, line
 
 SWARM = line(
     method={"kind": "particle_swarm", "particles": 5, "acceleration": "none"}, stopping={"max_evaluations": 200}
@@ -29,7 +29,7 @@ def job(request: pytest.FixtureRequest, store: Store, settings: Settings, servic
     """A finished job of 40 generations of 5 evaluations, and whether it is a sampling."""
     problem = SAMPLED if request.param == "sampling" else SWARM
     job_id = service.submit(problem)[0].id
-    finish(Hand(runtime_for(store, settings), job_id, "w1", calibration(problem)))
+    finish(Hand(runtime_for(store, settings), job_id, "w1", course(problem)))
     assert service.get(job_id).generations == 40
     return job_id, request.param == "sampling"
 
@@ -76,7 +76,7 @@ def test_statistics_say_what_they_rest_on(
     assert float(stored.samples.objectives.min()) == service.get(job_id).objective
     assert [record.number for record in stored.record.records][::9] == [0, 39]
     problem = SAMPLED if sampled else SWARM
-    found = analyse(calibration(problem), stored.samples)
+    found = analyse(course(problem), stored.samples)
     rule = "spread evenly" if sampled else "half with the lowest objectives, half spread evenly"
     assert f"{stored.samples.size} of its 200 successful evaluations were read, {rule}" in found.warnings[0]
     assert (ParticleSwarmMethod.bias in found.warnings) is not sampled
@@ -103,7 +103,7 @@ def test_a_large_generation_is_thinned(
 ) -> None:
     problem = line(method={"kind": "monte_carlo", "samples": 200, "batch": 200}, stopping={})
     job_id = service.submit(problem)[0].id
-    finish(Hand(runtime_for(store, settings), job_id, "w1", calibration(problem)))
+    finish(Hand(runtime_for(store, settings), job_id, "w1", course(problem)))
     monkeypatch.setattr("geoswarm.workers.service.statistics.MOST_READ", 20)
     stored = service.statistics.stored(job_id)
     assert stored.samples.size + stored.samples.left_out == 200
@@ -112,4 +112,4 @@ def test_a_large_generation_is_thinned(
 
 
 def analysed(stored: StoredJob) -> tuple[str, ...]:
-    return analyse(calibration(stored.problem), stored.samples).warnings
+    return analyse(course(stored.problem), stored.samples).warnings

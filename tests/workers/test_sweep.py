@@ -20,12 +20,12 @@ from geoswarm.workers.store.tables import jobs, workers
 from tests.integration.engines import wait_for
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
 from tests.workers.hand import pass_time
-from tests.workers.problems import calibration, line
+from tests.workers.problems import course, line
 
 
 def claim_one(worker: Worker, job_id: str) -> None:
     """Let a worker take an evaluation and then forget it."""
-    made = calibration(line())
+    made = course(line())
     runtime = Runtime(worker.store, worker.settings)
     for _ in range(2):
         answer = runtime.exchange(job_id, worker.identity.id, made, HandIn(), live_workers=1, want=True)

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.workers.coordinator.together import Together
 from geoswarm.workers.coordinator.work import Asked, Exchange, HandIn
 from geoswarm.workers.errors import StoreUnavailableError
@@ -17,8 +17,8 @@ from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.integration.engines import wait_for
-from tests.workers.hand import CALIBRATION, PROBLEM, Hand, runtime_for
-from tests.workers.problems import calibration, expected_history, line, recorded_history
+from tests.workers.hand import COURSE, PROBLEM, Hand, runtime_for
+from tests.workers.problems import course, expected_history, line, recorded_history
 
 WIDE = line(method={"kind": "particle_swarm", "particles": 24}, stopping={"max_evaluations": 24 * 3})
 
@@ -35,7 +35,7 @@ class Slow:
         self.begun = threading.Event()
         self.go_on = threading.Event()
 
-    def __call__(self, _job: str, _calibration: Calibration, brought: Sequence[Asked]) -> list[Exchange]:
+    def __call__(self, _job: str, _course: Course, brought: Sequence[Asked]) -> list[Exchange]:
         self.served.append([one.worker for one in brought])
         self.begun.set()
         assert self.go_on.wait(120.0), "nobody let it go on"
@@ -54,7 +54,7 @@ def together(names: Sequence[str]) -> tuple[Slow, dict[str, Exchange | Exception
 
     def ask(name: str) -> None:
         try:
-            found[name] = shared.ask("job", CALIBRATION, asked(name))
+            found[name] = shared.ask("job", COURSE, asked(name))
         except (ValueError, StoreUnavailableError) as error:
             found[name] = error
 
@@ -96,12 +96,12 @@ def test_the_history_is_the_same_however_many_come_at_once(
     store: Store, settings: Settings, service: JobService, threads: int
 ) -> None:
     job_id = service.submit(WIDE)[0].id
-    shared = calibration(WIDE)
+    shared = course(WIDE)
     runtime = runtime_for(store, settings, single_seconds=0.0)
     batches: list[int] = []
     serve = runtime._together._serve
 
-    def counted(job: str, made: Calibration, brought: Sequence[Asked]) -> Sequence[Exchange]:
+    def counted(job: str, made: Course, brought: Sequence[Asked]) -> Sequence[Exchange]:
         batches.append(len(brought))
         if len(batches) == 1 and threads > 1:
             wait_for(lambda: len(runtime._together._waiting[job]) > 1, "others that come meanwhile")
@@ -133,7 +133,7 @@ def test_results_that_come_together_count_once_and_claims_do_not_overlap(
     store: Store, settings: Settings, service: JobService
 ) -> None:
     job_id = service.submit(WIDE)[0].id
-    shared = calibration(WIDE)
+    shared = course(WIDE)
     runtime = runtime_for(store, settings, single_seconds=0.0)
     hands = [Hand(runtime, job_id, f"w{number}", shared) for number in range(5)]
     hands[0].take()  # starts the job
@@ -160,9 +160,9 @@ def test_a_particle_that_is_none_harms_only_who_brings_it(
     brought = hand.results()
     wrong = replace(brought, results=[replace(result, particle=99) for result in brought.results])
     with pytest.raises(IndexError):
-        runtime._exchange(job_id, CALIBRATION, [asked("w2", wrong)])
+        runtime._exchange(job_id, COURSE, [asked("w2", wrong)])
     with pytest.raises(IndexError):
-        runtime._exchange(job_id, CALIBRATION, [asked("w1", brought), asked("w2", wrong)])
+        runtime._exchange(job_id, COURSE, [asked("w1", brought), asked("w2", wrong)])
     assert service.get(job_id).state == "running"
     assert service.evaluations(job_id, state="finished").items == []  # nothing of that transaction is there
     hand.exchange(brought)

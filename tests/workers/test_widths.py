@@ -7,10 +7,12 @@ from typing import Any
 
 import pytest
 
-from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.forward.formula import FormulaSpec
 from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.problem import Problem, Stopping
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.queries.jobs import lock_job
 from geoswarm.workers.queries.workers import forget_worker, see_worker
@@ -20,7 +22,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_json
 from tests.workers.conftest import MakeWorker
 from tests.workers.hand import Hand, runtime_for
-from tests.workers.problems import calibration, expected_history, line, recorded_history
+from tests.workers.problems import course, expected_history, line, recorded_history
 
 NAMES = ("w0", "w1", "w2", "w3")
 
@@ -41,7 +43,7 @@ def serve_in_any_order(
 ) -> tuple[str, int]:
     """Let four workers hand in at random, some killed; return the job and how often two generations were out."""
     runtime = runtime_for(store, settings, cheap_seconds=0.0, single_seconds=0.0)
-    job, made, chance = service.submit(problem)[0].id, calibration(problem), random.Random(order)
+    job, made, chance = service.submit(problem)[0].id, course(problem), random.Random(order)
     hands = [Hand(runtime, job, name, made) for name in NAMES]
     both = 0
     while service.get(job).state in ("queued", "running"):
@@ -83,7 +85,7 @@ def test_what_was_out_when_a_job_ended_is_begun_anew_when_it_goes_on(
     assert found == expected_history(problem)
     assert service.get(job).stop_reasons == ["target_objective"]
     service.change_stopping(job, Stopping(max_evaluations=len(found) + 16))
-    hand = Hand(runtime_for(store, settings), job, "w0", calibration(problem))
+    hand = Hand(runtime_for(store, settings), job, "w0", course(problem))
     while service.get(job).state == "running":
         hand.hand_in() if hand.claim else hand.take()
     longer = expected_history(curved(stopping={"max_evaluations": len(found) + 16}))
@@ -107,7 +109,7 @@ def test_generations_follow_the_workers_and_what_was_recorded_gives_the_same_his
     problem = curved(method={"kind": "particle_swarm", "particles": "auto"}, stopping={"max_evaluations": 30})
     job, crew = service.submit(problem)[0].id, [make_worker() for _ in range(4)]
     store.write(lambda connection: see_worker(connection, crew[0].identity))
-    hand = Hand(runtime_for(store, settings), job, crew[0].identity.id, calibration(problem))
+    hand = Hand(runtime_for(store, settings), job, crew[0].identity.id, course(problem))
     while service.get(job).state in ("queued", "running"):
         begun = service.get(job).generations
         for worker in crew[1:]:
@@ -132,9 +134,9 @@ def test_generations_follow_the_workers_and_what_was_recorded_gives_the_same_his
 def test_a_generation_is_as_large_as_workers_and_licences_allow(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FormulaSpec, "quick", False)
     problem = curved(method={"kind": "particle_swarm", "particles": "auto"})
-    assert [len(Calibration(problem, 1).start(slots).positions) for slots in (1, 3, 17)] == [1, 3, 17]
+    assert [len(Course(Calibration(problem, 1)).start(slots).positions) for slots in (1, 3, 17)] == [1, 3, 17]
     monkeypatch.setattr(FormulaSpec, "slots", 2, raising=False)
     assert problem.forward_model.at_once(8) == 2
     assert problem.forward_model.at_once(8, machines=3) == 6
     monkeypatch.setattr(FormulaSpec, "quick", True)
-    assert [len(Calibration(problem, 1).start(slots).positions) for slots in (1, 3, 17)] == [10, 10, 17]
+    assert [len(Course(Calibration(problem, 1)).start(slots).positions) for slots in (1, 3, 17)] == [10, 10, 17]

@@ -10,8 +10,10 @@ import pytest
 from sqlalchemy import func, select, update
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, Step
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.course import Course
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.progress import Step
 from geoswarm.solver.runner.fork_server_link import ForkServerLink
 from geoswarm.workers.coordinator.work import HandIn
 from geoswarm.workers.execution.worker import _Turn
@@ -23,7 +25,7 @@ from geoswarm.workers.store.tables import evaluations, jobs
 from tests.integration.engines import wait_for
 from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingDoorbell
 from tests.workers.hand import pass_time
-from tests.workers.problems import calibration, expected_history, line, recorded_history
+from tests.workers.problems import course, expected_history, line, recorded_history
 
 
 def test_a_burst_and_single_steps_give_the_same_history(service: JobService, make_worker: MakeWorker) -> None:
@@ -173,7 +175,7 @@ def test_a_bug_in_the_search_fails_the_job_not_the_worker(
         raise ZeroDivisionError("in the search")
 
     job_id = service.submit(line())[0].id
-    monkeypatch.setattr(Calibration, "advance", broken)
+    monkeypatch.setattr(Course, "advance", broken)
     make_worker().serve(job_id)
     view = service.get(job_id)
     assert (view.state, view.error) == ("failed", "ZeroDivisionError: in the search")
@@ -221,7 +223,7 @@ def test_a_worker_that_stays_with_a_job_lets_the_others_move_up(
 ) -> None:
     job_id = service.submit(line())[0].id
     worker = make_worker()
-    made = calibration(line())
+    made = course(line())
     worker.runtime.start(job_id, made.start())
     turn = _Turn(worker, job_id)
     held = worker._ask(job_id, made, HandIn(), turn).claim

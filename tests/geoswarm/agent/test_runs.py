@@ -22,7 +22,7 @@ from geoswarm.workers.agents.prepared import frame_of
 from geoswarm.workers.settings import Settings
 from tests.integration.agents import line_model, registered_line
 from tests.integration.engines import wait_for
-from tests.workers.problems import calibration, line
+from tests.workers.problems import course, line
 
 VALUES = [{"a": 0.1 * k, "b": 1.0 / 3.0} for k in range(5)]
 
@@ -64,7 +64,7 @@ def test_runs_give_what_they_give_here_to_the_last_bit(runs: RunProcess) -> None
     problem = line()
     frame, found = shared(problem)
     outcomes = list(runs.run(frame, found, VALUES, lambda: False))
-    here = [calibration(problem).evaluate_values(values).responses["y"].tolist() for values in VALUES]
+    here = [course(problem).calibration.evaluate_values(values).responses["y"].tolist() for values in VALUES]
     assert [outcome.responses["y"] for outcome in outcomes] == here
     assert [outcome.index for outcome in outcomes] == list(range(5))
     assert all(outcome.reason is None and outcome.ended >= outcome.began for outcome in outcomes)
@@ -74,7 +74,7 @@ def test_a_model_that_fails_and_one_that_cannot_be_built(runs: RunProcess) -> No
     problem = line(forward_model={"kind": "formula", "series": {"y": "a * x + sqrt(b)"}})
     frame, found = shared(problem)
     (outcome,) = runs.run(frame, found, [{"a": 1.0, "b": -1.0}], lambda: False)
-    inline = calibration(problem).evaluate_values({"a": 1.0, "b": -1.0})
+    inline = course(problem).calibration.evaluate_values({"a": 1.0, "b": -1.0})
     assert (outcome.reason, outcome.message) == (inline.reason, inline.message)
     found["forward_model"] = {"kind": "nonsense"}
     (outcome,) = runs.run("other", found, VALUES[:1], lambda: False)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, Progress
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.stored.findings import (
@@ -20,6 +21,7 @@ from geoswarm.solver.identifiability.stored.findings import (
     sensitivity_problem,
 )
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
@@ -81,7 +83,7 @@ def test_profiles_run_as_a_job_and_can_go_on_after_any_generation() -> None:
     found = linearised(LINE, [SLOPE, INTERCEPT])
     problem = profile_problem(LINE, found, seed=3)
     calibration = Calibration(problem, 3)
-    progress, log, evaluations = calibration.start(), RunLog(calibration), []
+    progress, log, evaluations = Course(calibration).start(), RunLog(calibration), []
     responses: list[list[dict[str, FloatArray]]] = []
     while True:
         progress = Progress.from_json(json.loads(json.dumps(progress.to_json(), allow_nan=False)))
@@ -90,7 +92,7 @@ def test_profiles_run_as_a_job_and_can_go_on_after_any_generation() -> None:
         log.add([e.parameters for e in done], [e.objective for e in done])
         responses.append([e.responses for e in done])
         runs = log.runs(lambda keys: [responses[generation][particle] for generation, particle in keys])
-        step = calibration.advance(progress, [e.objective for e in done], 1.0, runs)
+        step = Course(calibration).advance(progress, [e.objective for e in done], 1.0, runs)
         if step.stop_reasons:
             break
         progress = step.progress

@@ -14,6 +14,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError
 from geoswarm.solver.problem import Problem, parse_problem, read_document
 
@@ -235,7 +236,7 @@ def issues_of(text: str, form: Any) -> tuple[Problem | None, Sequence[Issue]]:
 def can_start(problem: Problem) -> bool:
     """Whether the search finds points to begin with."""
     try:
-        Calibration(problem, 1).start()
+        Course(Calibration(problem, 1)).start()
     except InfeasibleSpaceError:
         return False
     return True

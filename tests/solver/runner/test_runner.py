@@ -18,7 +18,7 @@ from geoswarm.solver.runner.evaluator import NeverMind, RunLimits
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.solver.system.processes import descendants
 from tests.integration.engines import process_exists, wait_for
-from tests.workers.problems import calibration, line
+from tests.workers.problems import course, line
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 
@@ -51,8 +51,8 @@ def noted(path: Path) -> list[int]:
 
 
 def test_the_same_bits_as_inline_with_one_request_or_many(runner: Runner) -> None:
-    made = calibration(line())
-    asked = made.start().positions
+    begun = course(line())
+    made, asked = begun.calibration, begun.start().positions
     expected = [made.evaluate(position) for position in asked]
     for chunk in (1, 4, len(asked)):
         found = [
@@ -67,8 +67,8 @@ def test_the_same_bits_as_inline_with_one_request_or_many(runner: Runner) -> Non
 
 
 def test_more_jobs_than_the_process_remembers(runner: Runner) -> None:
-    made = calibration(line())
-    asked = made.start().positions[:1]
+    begun = course(line())
+    made, asked = begun.calibration, begun.start().positions[:1]
     objectives = {next(runner.run(f"job{i % 12}", made, asked, RunLimits())).evaluation.objective for i in range(30)}
     assert objectives == {made.evaluate(asked[0]).objective}
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.result import CalibrationResult
@@ -55,7 +56,8 @@ def test_the_same_seed_gives_the_same_history_for_any_number_of_workers() -> Non
 
 def shares_of(problem: Problem, generations: int) -> list[float]:
     calibration = Calibration(problem, seed=4)
-    log, progress = RunLog(calibration), calibration.start()
+    course = Course(calibration)
+    log, progress = RunLog(calibration), course.start()
     shares, responses = [], []
     for _ in range(generations):
         evaluations = [calibration.evaluate(position) for position in progress.positions]
@@ -63,7 +65,7 @@ def shares_of(problem: Problem, generations: int) -> list[float]:
         log.add([e.parameters for e in evaluations], values)
         responses.append([e.responses for e in evaluations])
         runs = log.runs(lambda keys: [responses[generation][particle] for generation, particle in keys])
-        progress = calibration.advance(progress, values, 1.0, runs).progress
+        progress = course.advance(progress, values, 1.0, runs).progress
         json.dumps(progress.to_json(), allow_nan=False)
         shares.append(progress.snapshot["proposer"]["share"])
     return shares
@@ -85,6 +87,6 @@ def test_no_run_is_made_twice() -> None:
 
 
 def test_an_accelerated_search_needs_the_runs() -> None:
-    calibration = Calibration(decay_problem(method=ACCELERATED), seed=4)
+    course = Course(Calibration(decay_problem(method=ACCELERATED), seed=4))
     with pytest.raises(ValueError, match="needs the runs so far"):
-        calibration.advance(calibration.start(), [1.0] * 10, 1.0)
+        course.advance(course.start(), [1.0] * 10, 1.0)

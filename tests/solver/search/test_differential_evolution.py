@@ -11,6 +11,7 @@ from scipy import optimize
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
@@ -89,12 +90,11 @@ def test_a_snapshot_goes_on_bit_for_bit() -> None:
     )
     whole = calibrate(problem, seed=3)
     assert whole.evaluations == 200
-    calibration = Calibration(problem, 3)
-    progress = calibration.start()
+    progress = Course(Calibration(problem, 3)).start()
     for generation in range(whole.generations - 1):
         objectives = [r.evaluation.objective for r in whole.history if r.generation == generation]
         progress = type(progress).from_json(json.loads(json.dumps(progress.to_json())))
-        progress = Calibration(problem, 3).advance(progress, objectives, 0.0, criteria=()).progress
+        progress = Course(Calibration(problem, 3)).advance(progress, objectives, 0.0, criteria=()).progress
         expected = [r.evaluation.parameters for r in whole.history if r.generation == generation + 1]
         assert progress.positions.tobytes() == np.array(expected).tobytes()
     assert bits(calibrate(problem, seed=3)) == bits(whole)

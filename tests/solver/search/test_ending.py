@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from geoswarm.solver.calibration import Calibration, Progress
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.progress import Progress
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.result import CalibrationResult
 from geoswarm.solver.runs.runlog import RunLog
@@ -68,7 +70,7 @@ def looked_around() -> Problem:
 def test_it_goes_on_from_its_state_bit_for_bit(problem: Problem, surveyed: bool) -> None:
     whole = calibrate(problem, seed=2)
     calibration = Calibration(problem, 2)
-    progress, log, curves = calibration.start(), RunLog(calibration), []
+    progress, log, curves = Course(calibration).start(), RunLog(calibration), []
     history: list[float | None] = []
     while True:
         evaluations = [calibration.evaluate(x) for x in progress.positions]
@@ -77,7 +79,7 @@ def test_it_goes_on_from_its_state_bit_for_bit(problem: Problem, surveyed: bool)
         log.add([e.parameters for e in evaluations], objectives)
         curves.append([e.responses for e in evaluations])
         runs = log.runs(lambda keys: [curves[generation][particle] for generation, particle in keys])
-        step = calibration.advance(progress, objectives, 0.0, runs)
+        step = Course(calibration).advance(progress, objectives, 0.0, runs)
         if step.stop_reasons:
             break
         calibration = Calibration(problem, 2)
