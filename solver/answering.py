@@ -14,6 +14,7 @@ import numpy as np
 from geoswarm.solver.answer import Answer, Part
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability.optimum.differences import count_points
 from geoswarm.solver.identifiability.optimum.profiles import profile_settings
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.exploring import other_starts
@@ -31,6 +32,7 @@ __all__ = ["begin_answer", "go_on_answering"]
 
 _MOST_MINIMA = 4  # that sensitivities are calculated at
 _BETTER = 1e-9  # relative decrease of the objective
+_LOST_IN_NOISE = 1e-3  # of the variance of the noise: a thirtieth of a standard error
 
 
 def begin_answer(
@@ -84,7 +86,7 @@ def go_on_answering(
     assert answer is not None
     part = answer.parts[-1]
     search = _maker(calibration, part.method).restore(part.snapshot)
-    best = _best(progress, search, objectives)
+    best = _best(calibration, progress, search, objectives)
     search.tell(objectives, runs)
     positions = search.ask()
     after = replace(
@@ -133,15 +135,20 @@ def _begin(
     return replace(begun, positions=positions)
 
 
-def _best(progress: Progress, search: object, objectives: FloatArray) -> Best | None:
+def _best(calibration: Calibration, progress: Progress, search: object, objectives: FloatArray) -> Best | None:
     """The best evaluation after a generation. A neighbour of the minimum is none: it may be lower by chance."""
     best, particle = progress.best, int(np.argmin(objectives))
-    margin = 0.0 if isinstance(search, MinimumSearch) else _BETTER
+    walking = isinstance(search, MinimumSearch)
     if isinstance(search, MinimumSearch) and not search.trying:
         return best
-    if best is not None and objectives[particle] >= best.objective * (1.0 - margin):
+    if best is not None and objectives[particle] >= best.objective * (1.0 if walking else _lower(calibration)):
         return best
     return Best(float(objectives[particle]), progress.generation, particle, progress.positions[particle].copy())
+
+
+def _lower(calibration: Calibration) -> float:
+    """How many times an objective another one must be to belong to a better minimum, and not to the same one."""
+    return 1.0 - max(_BETTER, _LOST_IN_NOISE / max(count_points(calibration) - calibration.space.dimension, 1))
 
 
 def _sensitivity(calibration: Calibration, best: Best, runs: int) -> SensitivityMethod:
@@ -160,7 +167,7 @@ def _further(calibration: Calibration, progress: Progress, runs: Runs) -> Iterat
         return
     methods = [part.method for part in answer.parts]
     minima = sum(isinstance(method, SensitivityMethod) for method in methods)
-    if best.objective < findings.objective * (1.0 - _BETTER):
+    if best.objective < findings.objective * _lower(calibration):
         if minima < _MOST_MINIMA:
             yield _sensitivity(calibration, best, room)
         return
