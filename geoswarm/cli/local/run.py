@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,15 +17,18 @@ from geoswarm.cli.options import accept_option, accepting, json_option, problem_
 from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.kernels import ready
-from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
+from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, ends, note, number, reasons_in_words
 from geoswarm.cli.words.warnings import warn_of_many_points
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
+    from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.runs.result import CalibrationResult, GenerationRecord
 
 __all__ = ["run_command"]
+
+_WIDTH = 100
 
 
 @click.command("run")
@@ -99,20 +103,21 @@ def run_command(
     with kept(folder, problem), _reporting(loaded) as on_generation:
         result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer, keeper=folder)
     report = None
-    if folder is not None and not without_figures:
+    if folder is not None or loaded.method.role == "search":
         from geoswarm.solver.report.document.build import report_of_result
 
         with kept(folder, problem):
-            report = report_of_result(loaded, result)
+            report = report_of_result(loaded, result, linearise=False if folder is None else None)
     fit = fit_of_run(loaded, result, report)
+    statistics = None if report is None else report.statistics
     if as_json:
-        echo_json(summary(result) | {"fit": fit, "compile_seconds": compile_seconds})
+        echo_json(summary(loaded, result, statistics) | {"fit": fit, "compile_seconds": compile_seconds})
     elif result.state == "finished":
         show_fit(fit)
-        show_result(loaded, result)
+        show_result(loaded, result, statistics)
     if folder is not None:
         with kept(folder, problem):
-            written = write_output(loaded, result, folder, report)
+            written = write_output(loaded, result, folder, report, figures=not without_figures)
         if not as_json:
             echo_facts(None, {"written to": str(output), "files": _listed(written)})
     if result.state == "failed":
@@ -169,8 +174,8 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
             raise
 
 
-def show_result(problem: Problem, result: CalibrationResult) -> None:
-    """Write the tables of a finished calibration."""
+def show_result(problem: Problem, result: CalibrationResult, statistics: Statistics | None) -> None:
+    """Write the tables of a finished calibration: values with intervals and verdicts, and the fit."""
     from geoswarm.cli.words.labels import root_mean_square, with_unit
     from geoswarm.solver.report.curves import objective_unit, series_shares
 
@@ -179,10 +184,11 @@ def show_result(problem: Problem, result: CalibrationResult) -> None:
     unit = objective_unit(problem)
     echo_table(
         problem.name,
-        ("parameter", "", "best fit", "lower", "upper", "initial", "scale", "unit"),
-        _parameter_rows(problem, result.parameters),
-        right=(2, 3, 4, 5),
+        ("parameter", "", "best fit", "95 % from", "to", "unit", "verdict"),
+        _parameter_rows(problem, result.parameters, statistics),
+        right=(2, 3, 4),
     )
+    _show_doubts(statistics)
     rows = [
         (
             s.series,
@@ -202,27 +208,49 @@ def show_result(problem: Problem, result: CalibrationResult) -> None:
         {
             "objective": with_unit(number(result.objective), unit),
             "stopped": reasons_in_words(result.stop_reasons),
-            "evaluations": f"{result.evaluations} in {result.generations} generations{failed}",
+            "evaluations": f"{result.evaluations} in {result.generations} generations{_shares(result)}{failed}",
             "time": duration(result.seconds),
             "seed": str(result.seed),
         },
     )
 
 
-def _parameter_rows(problem: Problem, values: dict[str, float]) -> list[tuple[str, ...]]:
+def _parameter_rows(problem: Problem, values: dict[str, float], statistics: Statistics | None) -> list[tuple[str, ...]]:
     from geoswarm.cli.words.labels import symbol_and_unit
     from geoswarm.solver.problem import FreeParameter, LinkedParameter
 
     rows: list[tuple[str, ...]] = []
     for name, parameter in problem.parameters.items():
         symbol, unit = symbol_and_unit(problem, name)
-        value = number(values[name], 5)
-        bounds: tuple[str, str, str, str]
         if isinstance(parameter, FreeParameter):
-            scale = f"{parameter.scale}, integer" if parameter.integer else parameter.scale
-            bounds = (number(parameter.lower), number(parameter.upper), number(parameter.initial), scale)
+            interval = None if statistics is None else statistics.intervals[name]
+            said = "" if statistics is None else statistics.verdict(name).words
+            for bound, side in ((parameter.lower, "lower"), (parameter.upper, "upper")):
+                if values[name] == bound:
+                    said = f"{said}, at its {side} bound" if said else f"at its {side} bound"
+            low, high = ("-", "-") if interval is None else ends(*interval)
         else:
-            kind = f"= {parameter.expression.text}" if isinstance(parameter, LinkedParameter) else "fixed"
-            bounds = ("", "", "", kind)
-        rows.append((name, symbol, value, *bounds, unit))
+            said = f"= {parameter.expression.text}" if isinstance(parameter, LinkedParameter) else "fixed"
+            low = high = ""
+        rows.append((name, symbol, number(values[name], 5), low, high, unit, said))
     return rows
+
+
+def _show_doubts(statistics: Statistics | None) -> None:
+    """Say why parameters are not identified, and one next step."""
+    if statistics is None or statistics.fit.kind not in ("describes", "untested"):
+        return  # what is wrong with the fit stands above, with what to do
+    doubtful = [verdict for verdict in statistics.verdicts if verdict.kind != "identified"]
+    for verdict in doubtful:
+        click.echo(textwrap.fill(verdict.sentence, _WIDTH, initial_indent="  ", subsequent_indent="    "))
+    steps = [proposal.sentence for verdict in doubtful for proposal in verdict.proposals]
+    if steps:
+        click.echo(textwrap.fill(f"Next: {steps[0]}", _WIDTH, initial_indent="  ", subsequent_indent="    "))
+
+
+def _shares(result: CalibrationResult) -> str:
+    """How many evaluations were those of the search, and how many followed it."""
+    answer = result.answer
+    if answer is None:
+        return ""
+    return f": {answer.evaluations} of the search, {result.evaluations - answer.evaluations} for the intervals"

@@ -13,6 +13,7 @@ from geoswarm.cli.words.output import duration, echo_facts, echo_json, note, num
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
+    from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.identifiability.optimum.polish import Polished
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.report.document.build import Report
@@ -25,9 +26,20 @@ _SUMMARY = ("state", "stop_reasons", "objective", "parameters", "evaluations", "
 _WORTH = 1e-3  # a relative decrease of the objective that is told
 
 
-def summary(result: CalibrationResult) -> dict[str, Any]:
-    """Return what ``geoswarm run --json`` prints."""
-    return {name: getattr(result, name) for name in _SUMMARY} | {"stop_reasons": list(result.stop_reasons)}
+def summary(problem: Problem, result: CalibrationResult, statistics: Statistics | None) -> dict[str, Any]:
+    """Return what ``geoswarm run --json`` prints: the result, with interval and kind of verdict of each parameter."""
+    answer = result.answer
+    search = None
+    if answer is not None:
+        at = answer.parts[0].document["at"]
+        parameters = problem.values([at[name] for name in problem.free_names])
+        search = {"objective": answer.objective, "parameters": parameters}
+    return {name: getattr(result, name) for name in _SUMMARY} | {
+        "stop_reasons": list(result.stop_reasons),
+        "intervals": None if statistics is None else statistics.intervals,
+        "verdicts": None if statistics is None else {one.parameter: one.kind for one in statistics.verdicts},
+        "search_best": search,
+    }
 
 
 def open_folder(
@@ -125,11 +137,13 @@ def kept(folder: RunFolder | None, problem: Path) -> Iterator[None]:
         folder.close()
 
 
-def write_output(problem: Problem, result: CalibrationResult, folder: RunFolder, report: Report | None) -> list[Path]:
-    """Write all files of a result; without a report the tables only."""
+def write_output(
+    problem: Problem, result: CalibrationResult, folder: RunFolder, report: Report | None, *, figures: bool
+) -> list[Path]:
+    """Write all files of a result; without figures the tables only."""
     optimum = None if report is None else report.optimum
     written = folder.finish(result, optimum)
-    if report is not None:
+    if report is not None and figures:
         written += report.save(folder.folder)
     if optimum is not None:
         _tell_polished(problem, optimum.polished)

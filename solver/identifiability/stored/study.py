@@ -169,6 +169,12 @@ class Statistics:
         """The verdict about one parameter."""
         return next(verdict for verdict in self.verdicts if verdict.parameter == parameter)
 
+    @property
+    def intervals(self) -> dict[str, tuple[float, float] | None]:
+        """95 % interval of each free parameter at the optimum, natural values; None where there is none."""
+        found = self.linearisation
+        return {name: None if found is None else found.interval(name) for name in self.samples.names}
+
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, without the samples themselves; None for what is not known."""
         filtered = self.filtered

@@ -200,12 +200,13 @@ def report_of_result(
     ----------
     linearise
         Whether to polish the optimum and calculate the sensitivities there, with some hundred further forward runs of a
-        quick model, from stored runs otherwise. By default after a swarm only: the best of a sampling is not an
-    optimum. noise
+        quick model, from stored runs otherwise. By default after a swarm only whose own runs did not do it: the best of
+        a sampling is not an optimum.
+    noise
         Known standard deviation of a reading, base units; that of the problem file when absent.
     """
     samples, record = Samples.from_result(problem, result), record_of_result(problem, result)
-    if result.answer is not None and linearise is None:
+    if result.answer is not None and not linearise:
         after = [one.evaluation for one in result.history if one.generation >= result.answer.generation]
         findings = answer_of(Calibration(problem, result.seed), result.answer, after, noise=noise)
         if findings.linearisation is not None:
