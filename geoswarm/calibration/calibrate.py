@@ -15,15 +15,15 @@ from geoswarm.calibration.result import Result, lacking_for_reports
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.course import Course
-from geoswarm.solver.progress import Progress, Step
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.python.loading import NOT_IMPORTED
 from geoswarm.solver.plausibility import require_possible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
+from geoswarm.solver.progress import Progress, Step
+from geoswarm.solver.result import GenerationRecord
 from geoswarm.solver.runs.evaluators import WATCHED
 from geoswarm.solver.runs.journal import Keeper
-from geoswarm.solver.runs.result import GenerationRecord
 from geoswarm.solver.runs.local import calibrate as calibrate_problem
 
 if TYPE_CHECKING:

@@ -26,8 +26,8 @@ from geoswarm.paper.study import (
 from geoswarm.solver.identifiability import FittedLine, fit_line
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.build import report_of_result
+from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult
 
 __all__ = ["run_isotropic"]
 

@@ -30,8 +30,8 @@ from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.build import Report, linearise_stored
 from geoswarm.solver.report.record import record_of_result
+from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult
 
 __all__ = ["run_slope"]
 

@@ -15,8 +15,8 @@ from geoswarm.solver.identifiability.stored.correlations import Coordinates
 from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
 from geoswarm.solver.report.document.build import Report
 from geoswarm.solver.report.record import record_of_result
+from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult
 from geoswarm.solver.words import ends
 
 if TYPE_CHECKING:

@@ -15,15 +15,15 @@ from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import fatal_message
 from geoswarm.solver.progress import Progress
-from geoswarm.solver.runs.evaluators import evaluator
-from geoswarm.solver.runs.journal import Keeper
-from geoswarm.solver.runs.result import (
+from geoswarm.solver.result import (
     CalibrationResult,
     EvaluationRecord,
     GenerationRecord,
     generation_record,
     no_success_message,
 )
+from geoswarm.solver.runs.evaluators import evaluator
+from geoswarm.solver.runs.journal import Keeper
 from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.solver.runs.under_way import UnderWay
 from geoswarm.solver.warm import compile_kernels

@@ -16,9 +16,9 @@ import psutil
 import pytest
 
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs import evaluators
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings

@@ -19,8 +19,8 @@ from geoswarm.solver.progress import Progress
 from geoswarm.solver.report.document.build import report_of_result
 from geoswarm.solver.report.folder.reading import report_of_folder
 from geoswarm.solver.report.folder.run_folder import open_run_folder
+from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.problems import decay_document
 

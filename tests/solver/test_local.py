@@ -10,9 +10,9 @@ import pytest
 
 from geoswarm.solver.errors import WorkerLostError
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.runs import evaluators
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.system.processes import descendants
 from tests.solver.problems import decay_problem
 

@@ -27,7 +27,7 @@ from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.progress import Progress
-from geoswarm.solver.runs.result import GenerationRecord
+from geoswarm.solver.result import GenerationRecord
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.queries.evaluations import drop_generation
 from geoswarm.workers.queries.queue import first_place

@@ -25,7 +25,7 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.progress import Progress
-from geoswarm.solver.runs.result import GenerationRecord, generation_record, no_success_message
+from geoswarm.solver.result import GenerationRecord, generation_record, no_success_message
 from geoswarm.solver.search import Runs
 from geoswarm.solver.stopping import StopCriterion
 from geoswarm.workers.errors import InvalidTransitionError

@@ -13,7 +13,7 @@ from geoswarm.cli.words.output import note
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.report.document.build import Report
-    from geoswarm.solver.runs.result import CalibrationResult
+    from geoswarm.solver.result import CalibrationResult
 
 __all__ = ["fit_of_run", "interval_heading", "show_fit"]
 

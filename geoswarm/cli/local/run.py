@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
     from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.runs.result import CalibrationResult, GenerationRecord
+    from geoswarm.solver.result import CalibrationResult, GenerationRecord
 
 __all__ = ["run_command"]
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.report.document.build import Report
     from geoswarm.solver.report.folder.run_folder import RunFolder
-    from geoswarm.solver.runs.result import CalibrationResult
+    from geoswarm.solver.result import CalibrationResult
 
 __all__ = ["kept", "open_folder", "show_finished", "summary", "write_output"]
 

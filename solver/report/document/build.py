@@ -36,7 +36,7 @@ from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.style import save_figure
 from geoswarm.solver.report.record import Optimum, RunRecord, record_of_result
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
-from geoswarm.solver.runs.result import CalibrationResult
+from geoswarm.solver.result import CalibrationResult
 
 __all__ = ["Report", "linearise_here", "linearise_stored", "report_of_result"]
 

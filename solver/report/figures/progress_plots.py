@@ -21,7 +21,7 @@ from geoswarm.solver.report.figures.style import (
     plain_ticks,
     with_unit,
 )
-from geoswarm.solver.runs.result import GenerationRecord
+from geoswarm.solver.result import GenerationRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

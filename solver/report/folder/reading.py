@@ -25,7 +25,7 @@ from geoswarm.solver.report.folder.folder_tables import column, read_table
 from geoswarm.solver.report.folder.tables import parameter_column
 from geoswarm.solver.report.record import BestFit, RunRecord
 from geoswarm.solver.report.uncertainty import Uncertainty
-from geoswarm.solver.runs.result import GenerationRecord
+from geoswarm.solver.result import GenerationRecord
 
 __all__ = ["FolderError", "StoredRun", "report_of_folder", "run_of_folder"]
 

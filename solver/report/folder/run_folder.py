@@ -26,8 +26,8 @@ from geoswarm.solver.report.folder.tables import (
     write_result,
 )
 from geoswarm.solver.report.record import Optimum
+from geoswarm.solver.result import CalibrationResult, generation_record
 from geoswarm.solver.runs.journal import Journal, RunIdentity, Stored, read_journal
-from geoswarm.solver.runs.result import CalibrationResult, generation_record
 
 __all__ = ["JOURNAL", "OtherRunError", "OutputError", "RunFolder", "open_run_folder"]
 

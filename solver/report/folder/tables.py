@@ -18,7 +18,7 @@ from geoswarm.solver.report.document.laboratory import calculated_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
 from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.report.terms import values_in_terms
-from geoswarm.solver.runs.result import CalibrationResult, GenerationRecord
+from geoswarm.solver.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.system.versions import versions
 from geoswarm.solver.words import visible
 

@@ -15,8 +15,8 @@ from geoswarm.solver.identifiability.optimum.differences import evaluate_differe
 from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.document.build import linearise_stored, report_of_result
+from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult
 from tests.solver.identifiability.zoo import CONFIDENT, SWARM, ZOO, Animal
 
 CHANCE = 1e-5  # that a right statement is called wrong: about 1000 are looked at

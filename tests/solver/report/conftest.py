@@ -10,8 +10,8 @@ import pytest
 
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.report.document.build import Report, report_of_result
+from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "oedometer" / "problem.yaml"
 

@@ -14,8 +14,8 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.course import Course
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress import Progress
+from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.runs.result import CalibrationResult
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import free, problem_of
 

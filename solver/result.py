@@ -9,9 +9,9 @@ from typing import Literal
 
 from geoswarm.solver.answer import Answer
 from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.notebook import result_html
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress import Progress
-from geoswarm.solver.runs.notebook import result_html
 
 __all__ = ["CalibrationResult", "EvaluationRecord", "GenerationRecord", "generation_record", "no_success_message"]
 
