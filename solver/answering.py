@@ -14,7 +14,6 @@ import numpy as np
 from geoswarm.solver.answer import Answer, Part
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.identifiability.optimum.differences import count_points
 from geoswarm.solver.identifiability.optimum.profiles import profile_settings
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.exploring import other_starts
@@ -148,7 +147,7 @@ def _best(calibration: Calibration, progress: Progress, search: object, objectiv
 
 def _lower(calibration: Calibration) -> float:
     """How many times an objective another one must be to belong to a better minimum, and not to the same one."""
-    return 1.0 - max(_BETTER, _LOST_IN_NOISE / max(count_points(calibration) - calibration.space.dimension, 1))
+    return 1.0 - max(_BETTER, _LOST_IN_NOISE / max(calibration.problem.counted_points - calibration.space.dimension, 1))
 
 
 def _sensitivity(calibration: Calibration, best: Best, runs: int) -> SensitivityMethod:

@@ -121,7 +121,12 @@ class Problem:
         wanted = self.answer.max_evaluations
         if self.method.role != "search" or wanted == "off" or (wanted == "auto" and not self.method.learns):
             return False
-        return sum(int((o.point_weights > 0).sum()) for o in self.observations if o.weight > 0) >= len(self.free)
+        return self.counted_points >= len(self.free)
+
+    @property
+    def counted_points(self) -> int:
+        """Number of measured points that take part: weights of point and series above 0."""
+        return sum(int((o.point_weights > 0).sum()) for o in self.observations if o.weight > 0)
 
     @property
     def planned_evaluations(self) -> int | None:

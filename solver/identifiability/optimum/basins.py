@@ -18,7 +18,6 @@ from scipy.special import chdtri, fdtri
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.noise import Noise, noise_objective
-from geoswarm.solver.identifiability.optimum.differences import count_points
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.samples import Samples
 
@@ -79,14 +78,14 @@ def equivalent_objective(calibration: Calibration, best: float, noise: Noise | N
     """
     observed = calibration.objective.observed
     dimension = calibration.space.dimension
-    free = count_points(calibration) - dimension
+    free = calibration.problem.counted_points - dimension
     factor = 1.0 + dimension / free * float(fdtri(dimension, free, _LEVEL)) if free > 0 else 2.0
     floor = _REPRODUCED * sum(o.weight * float((o.point_weights * o.y**2).mean()) for o in observed)
     base = max(best, floor)
     if noise is None:
         return base * factor
     known = noise_objective(calibration.problem, noise)
-    rise = known * float(chdtri(dimension, 1.0 - _LEVEL)) / count_points(calibration)
+    rise = known * float(chdtri(dimension, 1.0 - _LEVEL)) / calibration.problem.counted_points
     return max(base + rise, base * factor if base > known else 0.0)
 
 

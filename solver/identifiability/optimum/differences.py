@@ -16,7 +16,6 @@ from geoswarm.solver.search.descent.steps import FIRST_STEP, StepSearch
 __all__ = [
     "DifferenceDesign",
     "Jacobian",
-    "count_points",
     "design",
     "differentiate",
     "evaluate_differences",
@@ -50,11 +49,6 @@ class Jacobian:
     origin: str
 
 
-def count_points(calibration: Calibration) -> int:
-    """Number of measured points that take part: weights of point and series above 0."""
-    return sum(int((o.point_weights > 0).sum()) for o in calibration.objective.observed if o.weight > 0)
-
-
 def check_points(calibration: Calibration) -> None:
     """Refuse problems with fewer points than free parameters.
 
@@ -63,7 +57,7 @@ def check_points(calibration: Calibration) -> None:
     TooFewPointsError
         Says how many there are and are needed.
     """
-    points, free = count_points(calibration), calibration.space.dimension
+    points, free = calibration.problem.counted_points, calibration.space.dimension
     if points < free:
         raise TooFewPointsError(
             f"{points} measured point{'' if points == 1 else 's'} cannot determine {free} free parameters "

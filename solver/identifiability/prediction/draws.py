@@ -23,7 +23,6 @@ from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import Noise, noise_objective
-from geoswarm.solver.identifiability.optimum.differences import count_points
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.prediction.shapes import Shape, shape_of
 
@@ -134,7 +133,7 @@ def _add(calibration: Calibration, found: list[Basin], basin: Basin) -> None:
 
 
 def _log_weights(calibration: Calibration, values: FloatArray, known: Noise | None) -> FloatArray:
-    points, lowest = count_points(calibration), float(values.min())
+    points, lowest = calibration.problem.counted_points, float(values.min())
     if known is not None:
         weights = -0.5 * points * (values - lowest) / noise_objective(calibration.problem, known)
     else:

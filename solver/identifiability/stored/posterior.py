@@ -212,7 +212,7 @@ def _likelihood(calibration: Calibration, noise: Noise | None) -> _Likelihood:
 def _error_factor(calibration: Calibration, noise: Noise | None, best: float) -> float:
     """Error of the log-likelihood for a relative error of f near its minimum."""
     observed = calibration.objective.observed
-    used = sum(int((o.point_weights > 0).sum()) for o in observed if o.weight > 0)
+    used = calibration.problem.counted_points
     if noise is None:
         return 0.5 * used
     deviations = noise.deviations

@@ -239,7 +239,7 @@ def analyse(
         When no evaluation succeeded, or threshold or noise are wrong.
     """
     known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
-    points = sum(int((o.point_weights > 0).sum()) for o in calibration.objective.observed if o.weight > 0)
+    points = calibration.problem.counted_points
     limit = (
         propose_threshold(
             samples, points, noise_objective=None if known is None else noise_objective(calibration.problem, known)

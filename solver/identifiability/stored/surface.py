@@ -115,7 +115,7 @@ def _chosen(calibration: Calibration, samples: Samples) -> IntArray:
     the sample does not run against the edge; at least the best 300. Of those that crowd in one cell of a fine grid, as
     the particles of a converged swarm do, the best; of too many, every n-th by rank.
     """
-    points = sum(int((o.point_weights > 0).sum()) for o in calibration.objective.observed if o.weight > 0)
+    points = calibration.problem.counted_points
     order = np.argsort(samples.objectives, kind="stable")
     limit = 16.0 * np.exp(2.0 * _LIKELY / max(points, 1)) * samples.objectives[order[0]]
     count = max(int((samples.objectives <= limit).sum()), _MOST_SAMPLES // 2)
