@@ -118,10 +118,11 @@ class Course:
         """
         problem = self.problem
         method, limits = problem.method, self.criteria if criteria is None else criteria
-        criteria = _of_search(self.calibration, limits)
         if self.learns and runs is None:
             raise ValueError("a search that learns needs the runs so far")
         told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
+        found = progress.best is not None or bool(np.isfinite(told).any())
+        criteria = _of_search(self.calibration, limits) if found else limits
         if progress.answer is not None and runs is not None:
             from geoswarm.solver.answering import go_on_answering
 

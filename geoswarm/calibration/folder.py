@@ -47,7 +47,7 @@ def write_folder(folder: RunFolder, found: CalibrationResult, report: Report | N
     """
     from geoswarm.solver.report.folder.run_folder import OutputError
 
-    written = folder.finish(found, None if report is None else report.optimum)
+    written = folder.finish(found, report)
     if report is None:
         return written
     try:

@@ -121,7 +121,7 @@ class Problem:
         wanted = self.answer.max_evaluations
         if self.method.role != "search" or wanted == "off" or (wanted == "auto" and not self.method.learns):
             return False
-        return self.counted_points >= len(self.free)
+        return self.counted_points >= len(self.free) and not all(p.integer for p in self.free)
 
     @property
     def counted_points(self) -> int:

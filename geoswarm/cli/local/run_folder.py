@@ -22,24 +22,19 @@ if TYPE_CHECKING:
 
 __all__ = ["kept", "open_folder", "show_finished", "summary", "write_output"]
 
-_SUMMARY = ("state", "stop_reasons", "objective", "parameters", "evaluations", "generations", "seconds", "seed")
+_SUMMARY = (
+    *("state", "stop_reasons", "objective", "parameters", "intervals", "verdicts", "search_best"),
+    *("evaluations", "generations", "seconds", "seed"),
+)
 _WORTH = 1e-3  # a relative decrease of the objective that is told
 
 
 def summary(problem: Problem, result: CalibrationResult, statistics: Statistics | None) -> dict[str, Any]:
     """Return what ``geoswarm run --json`` prints: the result, with interval and kind of verdict of each parameter."""
-    answer = result.answer
-    search = None
-    if answer is not None:
-        at = answer.parts[0].document["at"]
-        parameters = problem.values([at[name] for name in problem.free_names])
-        search = {"objective": answer.objective, "parameters": parameters}
-    return {name: getattr(result, name) for name in _SUMMARY} | {
-        "stop_reasons": list(result.stop_reasons),
-        "intervals": None if statistics is None else statistics.intervals,
-        "verdicts": None if statistics is None else {one.parameter: one.kind for one in statistics.verdicts},
-        "search_best": search,
-    }
+    from geoswarm.solver.report.folder.tables import result_document
+
+    document = result_document(problem, result, statistics)
+    return {name: document[name] for name in _SUMMARY}
 
 
 def open_folder(
@@ -87,7 +82,7 @@ def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
         )
     note(f"the run in {folder} is finished: there is nothing to continue")
     if as_json:
-        echo_json({name: result[name] for name in _SUMMARY})
+        echo_json({name: result.get(name) for name in _SUMMARY})  # folders of earlier versions lack some
     elif result["parameters"] is not None:
         echo_facts(
             problem.name,
@@ -141,12 +136,11 @@ def write_output(
     problem: Problem, result: CalibrationResult, folder: RunFolder, report: Report | None, *, figures: bool
 ) -> list[Path]:
     """Write all files of a result; without figures the tables only."""
-    optimum = None if report is None else report.optimum
-    written = folder.finish(result, optimum)
+    written = folder.finish(result, report)
     if report is not None and figures:
         written += report.save(folder.folder)
-    if optimum is not None:
-        _tell_polished(problem, optimum.polished)
+    if report is not None and report.optimum is not None:
+        _tell_polished(problem, report.optimum.polished)
     folder.complete()
     return written
 

@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation, Offer, choose_seed
@@ -25,9 +26,11 @@ from geoswarm.solver.report.folder.tables import (
     write_responses,
     write_result,
 )
-from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.result import CalibrationResult, generation_record
 from geoswarm.solver.runs.journal import Journal, RunIdentity, Stored, read_journal
+
+if TYPE_CHECKING:
+    from geoswarm.solver.report.document.build import Report
 
 __all__ = ["JOURNAL", "OtherRunError", "OutputError", "RunFolder", "open_run_folder"]
 
@@ -105,13 +108,14 @@ class RunFolder(Journal):
         record = generation_record(self.problem, generation, [e.objective for e in evaluations], step.progress)
         self._tables["generations.csv"].append([generation_row(self.problem, record)])
 
-    def finish(self, result: CalibrationResult, optimum: Optimum | None = None) -> list[Path]:
+    def finish(self, result: CalibrationResult, report: Report | None = None) -> list[Path]:
         """Write all tables of a result and return their files; the journal stays until :meth:`complete`.
 
-        ``optimum`` is what a report found beyond the search.
+        ``report``: its intervals and verdicts, and what it found beyond the search.
         """
+        statistics, optimum = (None, None) if report is None else (report.statistics, report.optimum)
         writers: dict[str, Callable[[Path], None]] = {
-            "result.json": lambda path: write_result(path, self.problem, result, optimum),
+            "result.json": lambda path: write_result(path, self.problem, result, statistics, optimum),
             "problem.json": lambda path: write_problem(path, self.problem, result.seed),
             "evaluations.csv": lambda path: write_evaluations(path, self.problem, result),
             "generations.csv": lambda path: write_generations(path, self.problem, result),

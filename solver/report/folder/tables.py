@@ -6,7 +6,7 @@ import csv
 import json
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from geoswarm.solver.report.terms import values_in_terms
 from geoswarm.solver.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.system.versions import versions
 from geoswarm.solver.words import visible
+
+if TYPE_CHECKING:
+    from geoswarm.solver.identifiability import Statistics
 
 __all__ = [
     "evaluation_header",
@@ -48,23 +51,36 @@ def parameter_column(name: str, taken: Collection[str] = _TAKEN) -> str:
     return f"parameter.{name}" if name in taken else name
 
 
-def result_document(problem: Problem, result: CalibrationResult, optimum: Optimum | None = None) -> dict[str, Any]:
+def result_document(
+    problem: Problem,
+    result: CalibrationResult,
+    statistics: Statistics | None = None,
+    optimum: Optimum | None = None,
+) -> dict[str, Any]:
     """Return the whole result but its history, JSON-able; values in base units.
 
-    ``objective`` and ``parameters`` are the best of the search. Where the report polished them, ``polished`` has the
-    parameters that fit better, and how many further runs it took. ``laboratory`` has the parameters of laboratory tests
-    as Cc, Cs, C_alpha and preconsolidation stress, of the polished parameters where there are any.
+    ``objective`` and ``parameters`` are the best of all runs, ``search_best`` those of the search where further runs
+    followed it. ``intervals`` has the 95 % interval of each free parameter or None, ``verdicts`` the kind of its
+    verdict. Where a report polished them, ``polished`` has the parameters that fit better, and how many further runs it
+    took.
+    ``laboratory`` has the parameters of laboratory tests as Cc, Cs, C_alpha and preconsolidation stress, of the
+    polished parameters where there are any.
     """
     best = result.best
     polished = None if optimum is None else optimum.polished
     values = result.parameters if polished is None else problem.values(polished.parameters.tolist())
     linearisation = None if optimum is None else optimum.linearisation
+    if result.answer is not None and statistics is not None:
+        linearisation = statistics.linearisation
     return {
         "name": problem.name,
         "state": result.state,
         "stop_reasons": list(result.stop_reasons),
         "objective": result.objective,
         "parameters": result.parameters,
+        "intervals": None if statistics is None else statistics.intervals,
+        "verdicts": None if statistics is None else {one.parameter: one.kind for one in statistics.verdicts},
+        "search_best": _search_best(problem, result),
         "evaluations": result.evaluations,
         "failed_evaluations": result.failed_evaluations,
         "generations": result.generations,
@@ -97,9 +113,23 @@ def result_document(problem: Problem, result: CalibrationResult, optimum: Optimu
     }
 
 
-def write_result(path: Path, problem: Problem, result: CalibrationResult, optimum: Optimum | None = None) -> None:
+def _search_best(problem: Problem, result: CalibrationResult) -> dict[str, Any] | None:
+    if result.answer is None:
+        return None
+    at = result.answer.parts[0].document["at"]
+    parameters = problem.values([at[name] for name in problem.free_names])
+    return {"objective": result.answer.objective, "parameters": parameters}
+
+
+def write_result(
+    path: Path,
+    problem: Problem,
+    result: CalibrationResult,
+    statistics: Statistics | None = None,
+    optimum: Optimum | None = None,
+) -> None:
     """Write :func:`result_document` as JSON."""
-    _write_json(path, result_document(problem, result, optimum))
+    _write_json(path, result_document(problem, result, statistics, optimum))
 
 
 def write_problem(path: Path, problem: Problem, seed: int) -> None:

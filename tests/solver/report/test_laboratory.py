@@ -137,8 +137,9 @@ def calibrated(**changes: Any) -> tuple[Problem, Report]:
 def test_intervals_are_those_of_the_parameters() -> None:
     """sigma_p follows from c, OCR and (through M) lambda* and kappa*: its interval against a sampled one."""
     problem, report = calibrated(c={"lower": 1, "upper": 50}, OCR={"lower": 1, "upper": 20, "scale": "log"})
-    assert report.optimum is not None
-    found = report.optimum.linearisation
+    assert report.statistics is not None
+    found = report.statistics.linearisation
+    assert found is not None
     values = problem.values(found.optimum.tolist())
     known = {v.symbol: v for v in laboratory_values(problem, values, found)}
     low, high = found.interval("lambda_star") or (math.nan, math.nan)
@@ -159,8 +160,9 @@ def test_intervals_are_those_of_the_parameters() -> None:
 def test_an_interval_of_POP_is_moved_by_the_initial_stress() -> None:
     """lambda*, kappa* and c act on p_p and, as much, on the stress that reaches it: they leave the interval alone."""
     problem, report = calibrated(c={"lower": 1, "upper": 50}, POP={"lower": 1, "upper": 60})
-    assert report.optimum is not None
-    found = report.optimum.linearisation
+    assert report.statistics is not None
+    found = report.statistics.linearisation
+    assert found is not None
     low, high = found.interval("POP") or (math.nan, math.nan)
     (known,) = [
         v for v in laboratory_values(problem, problem.values(found.optimum.tolist()), found) if v.symbol == "σ′p"
@@ -185,13 +187,11 @@ def test_the_report_of_a_test_has_table_figure_and_json(swarm: Run, tmp_path: Pa
     assert swarm.result.best is not None
     last = float(swarm.result.best.responses["settlement"][-1])
     assert rows[16][5] == pytest.approx(100.0 * last / 0.02021, rel=1e-3)
-    write_result(tmp_path / "result.json", swarm.problem, swarm.result, swarm.report.optimum)
+    write_result(tmp_path / "result.json", swarm.problem, swarm.result, swarm.report.statistics)
     written = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["laboratory"]
     assert [row["symbol"] for row in written] == symbols
-    optimum = swarm.report.optimum
-    assert optimum is not None
-    polished = swarm.problem.values(optimum.polished.parameters.tolist())
-    assert written[0]["value"] == pytest.approx(math.log(10.0) * polished["lambda_star"], rel=1e-12)
+    assert swarm.result.parameters is not None
+    assert written[0]["value"] == pytest.approx(math.log(10.0) * swarm.result.parameters["lambda_star"], rel=1e-12)
     assert written[0]["interval"] is not None
 
 

@@ -18,11 +18,12 @@ from tests.solver.problems import decay_problem
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 ACCELERATED = {"kind": "particle_swarm", "particles": 10, "acceleration": "response_surface"}
+ALONE = {"max_evaluations": "off"}  # the search, without the runs that follow it
 
 
 def accelerated(example: str, **stopping: float) -> Problem:
     document = load_problem(EXAMPLES / example / "problem.yaml").document()
-    return parse_problem(document | {"method": ACCELERATED, "stopping": stopping})
+    return parse_problem(document | {"method": ACCELERATED, "answer": ALONE, "stopping": stopping})
 
 
 def objectives(result: CalibrationResult) -> list[float | None]:
@@ -42,6 +43,7 @@ def test_failing_runs_cost_little() -> None:
     problem = decay_problem(
         forward_model={"kind": "formula", "series": {"y": "amplitude * exp(-rate * x) + 0 * sqrt(rate - 0.2)"}},
         method=ACCELERATED,
+        answer=ALONE,
     )
     result = calibrate(problem)
     assert "target_objective" in result.stop_reasons
@@ -81,7 +83,7 @@ def test_all_particles_descend_and_with_an_objective_alone_aiming_gives_way_wher
 
 
 def test_no_run_is_made_twice() -> None:
-    result = calibrate(decay_problem(method=ACCELERATED, stopping={"max_evaluations": 300}))
+    result = calibrate(decay_problem(method=ACCELERATED, answer=ALONE, stopping={"max_evaluations": 300}))
     positions = np.array([record.evaluation.parameters for record in result.history])
     assert len(np.unique(positions, axis=0)) == len(positions) == 300
 

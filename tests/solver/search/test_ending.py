@@ -22,12 +22,12 @@ from tests.solver.identifiability.cases import free, problem_of
 T = np.linspace(0.0, 8.0, 41)
 SCATTER = 0.05 * np.random.default_rng(4).standard_normal(T.size)
 POLISHED = {"kind": "particle_swarm", "particles": 10, "polish": True}
+ALONE = {"max_evaluations": "off"}  # the search, without the runs that follow it
 
 
 def polished(expression: str, parameters: dict[str, Any], y: np.ndarray, **changes: Any) -> Problem:
-    return problem_of(
-        expression, parameters, y, T, method=POLISHED, **({"stopping": {"max_evaluations": 1000}} | changes)
-    )
+    stopping = {"max_evaluations": 1000}
+    return problem_of(expression, parameters, y, T, method=POLISHED, answer=ALONE, **({"stopping": stopping} | changes))
 
 
 def decay(**changes: Any) -> Problem:
@@ -110,9 +110,9 @@ def peak(width: float) -> Problem:
     x = np.linspace(0.0, 10.0, 41)
     y = np.exp(-0.5 * ((x - 6.3) / width) ** 2) + 0.01 * np.random.default_rng(8).standard_normal(x.size)
     parameters = {"m": free(-60.0, 60.0), "w": free(width / 10.0, width * 10.0)}
-    return problem_of(
-        "exp(-0.5 * ((x - m) / w)**2)", parameters, y, x, method=POLISHED, stopping={"max_evaluations": 400}
-    )
+    stopping = {"max_evaluations": 400}
+    expression = "exp(-0.5 * ((x - m) / w)**2)"
+    return problem_of(expression, parameters, y, x, method=POLISHED, answer=ALONE, stopping=stopping)
 
 
 def test_polished_is_said_of_the_best_run_alone() -> None:

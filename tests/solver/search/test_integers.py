@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
@@ -90,5 +91,5 @@ def test_an_estimate_of_a_whole_number_is_particle_0() -> None:
     parameters = {"a": {"lower": 0.1, "upper": 10.0, "initial": 4.0}, "n": {"lower": 1, "upper": 6, "integer": True}}
     parameters["n"]["initial"] = 5
     for method in ("accelerated", "textbook"):
-        first = Calibration(power(METHODS[method], parameters=parameters), 1).start().positions[0]
+        first = Course(Calibration(power(METHODS[method], parameters=parameters), 1)).start().positions[0]
         np.testing.assert_allclose(first, [4.0, 5.0], rtol=1e-12)
