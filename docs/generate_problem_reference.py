@@ -131,7 +131,8 @@ ANSWER = """
 When a search ends, the job goes on with the runs that its result needs: the last steps to the minimum, sensitivities
 and intervals there, a look at other basins that the search came across, and profiles where the model is nonlinear.
 They follow an accelerated swarm, and any search if you give a number. `max_evaluations` and `max_seconds` of
-`stopping` hold for the whole job: the search leaves up to a quarter of them to these runs. See
+`stopping` hold for the whole job: the search leaves 15 evaluations for each free parameter to these runs, and at most a
+quarter of evaluations and time. See
 [statistics](statistics.md).
 
 ```yaml

@@ -60,8 +60,8 @@ class Failures(BaseModel):
 SHARE_OF_SEARCH = 0.75
 """Part of the evaluations and the time of a job that its search may take at least, where it is followed by others."""
 
-
 _QUICK_RUNS = 200
+_LEFT_TO_AUTO = 15  # runs for each free parameter: sensitivities, steps to the minimum, ends of intervals, other basins
 
 
 class Answering(BaseModel):
@@ -84,8 +84,9 @@ class Answering(BaseModel):
 
     def share_of(self, limit: int, free: int) -> int:
         """Return how many of so many evaluations of a job its search leaves to the runs after it."""
-        wanted = 5 * free if self.max_evaluations == "auto" else self.most(free, 0)
-        return min(wanted, limit - int(SHARE_OF_SEARCH * limit))
+        wanted = _LEFT_TO_AUTO * free if self.max_evaluations == "auto" else self.most(free, 0)
+        left = min(wanted, limit - int(SHARE_OF_SEARCH * limit))
+        return left if left > 4 * free else 0  # the sensitivities alone take 4 d + 1
 
 
 def fatal_message(generation: int, particle: int, reason: str, message: str | None) -> str:

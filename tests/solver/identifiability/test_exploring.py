@@ -13,6 +13,7 @@ from geoswarm.solver.identifiability.stored.exploring import explore_problem
 from geoswarm.solver.identifiability.stored.findings import Findings, findings_of, same_question
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
+from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 NOISE = 0.05 * np.random.default_rng(2).standard_normal(X.size)
@@ -78,7 +79,11 @@ def test_an_exploration_goes_on_from_a_snapshot_bit_for_bit() -> None:
     calibration = Calibration(follow_up, 3)
     assert sum(record.evaluation.objective is not None for record in whole.history) <= 60
     search = method.search(calibration.space)  # type: ignore[attr-defined]  # of a follow-up
-    search.tell(np.array([calibration.evaluate(p).objective for p in search.ask()]))
+    log = RunLog(calibration)
+    made = [calibration.evaluate(p) for p in search.ask()]
+    log.add([one.parameters for one in made], [one.objective for one in made])
+    runs = log.runs(lambda keys: [made[particle].responses for _, particle in keys])
+    search.tell(np.array([one.objective for one in made]), runs)
     again = method.search(calibration.space, search.snapshot())  # type: ignore[attr-defined]  # of a follow-up
     np.testing.assert_array_equal(search.ask(), again.ask())
 

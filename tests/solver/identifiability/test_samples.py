@@ -13,7 +13,8 @@ from tests.solver.identifiability.cases import X, free, problem_of, sampled
 
 
 def test_a_history_gives_its_evaluations_in_order() -> None:
-    problem = problem_of("a * x ** b", {"a": free(), "b": free(scale="log")}, X)
+    alone = {"max_evaluations": "off"}
+    problem = problem_of("a * x ** b", {"a": free(), "b": free(scale="log")}, X, answer=alone)
     result = calibrate(problem)
     samples = Samples.from_result(problem, result)
     assert samples.source == "particle_swarm"
@@ -44,9 +45,9 @@ def test_unit_coordinates_follow_the_scale() -> None:
 
 def test_a_sampling_and_a_swarm_together_are_mixed() -> None:
     problem, samples = sampled("a * x", {"a": free()}, 2 * X, 50)
-    swarm = parse_problem(
-        problem.document() | {"method": {"kind": "particle_swarm"}, "stopping": {"max_evaluations": 20}}
-    )
+    alone = {"max_evaluations": "off"}
+    method = {"kind": "particle_swarm"}
+    swarm = parse_problem(problem.document() | {"method": method, "stopping": {"max_evaluations": 20}, "answer": alone})
     both = Samples.merge([samples, Samples.from_result(swarm, calibrate(swarm))])
     assert both.source == "mixed"
     assert both.size == 70
