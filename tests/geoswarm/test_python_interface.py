@@ -47,9 +47,9 @@ def test_what_a_result_tells(tmp_path: Path) -> None:
     assert "Result max_evaluations: objective" in repr(result)
     assert "Calibration" in result._repr_html_()
     runs = result.runs
-    assert runs["objective"].shape == runs["a"].shape == (600,) == (runs.size,)
-    assert runs["objective"].min() == result.objective
-    best = int(np.argmin(runs["objective"]))
+    assert runs["objective"].shape == runs["a"].shape == (runs.size,) == (result.evaluations,)
+    assert 570 <= runs.size <= 600
+    best = int(np.flatnonzero(runs["objective"] == result.objective)[0])
     np.testing.assert_array_equal(runs.responses["y"][best], result.best.responses["y"])
     assert list(runs.to_dataframe().columns) == list(runs)
     with pytest.raises(KeyError, match="E: the columns are generation"):
@@ -83,7 +83,7 @@ def test_a_lambda_stays_here_and_says_so(limited: bool) -> None:
     with pytest.warns(gs.InProcessWarning, match="because it is a lambda.*\n.*limits do not hold") as caught:
         result = gs.calibrate(lambda x, a, b: a + b * x, **OPTIONS, **limits, workers=2)
     assert [Path(one.filename) for one in caught] == [Path(__file__)]
-    assert result.evaluations == 60
+    assert 50 <= result.evaluations <= 60
     assert result.failed_evaluations == 0
 
 

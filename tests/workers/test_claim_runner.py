@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.course import Course
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.coordinator.work import Claim, HandIn
 from geoswarm.workers.execution.claim_runner import ClaimRunner
@@ -46,14 +46,14 @@ def run(claim: Claim, runner: Runner, worker: MakeWorker, settings: Settings, *a
         handed.append(hand_in)
         return True, next(given, None) if want else None
 
-    model = misbehaving(behaviour="sleep", seconds=SECONDS, above=-9.0)
+    model = Course(misbehaving(behaviour="sleep", seconds=SECONDS, above=-9.0))
     last = ClaimRunner(claim, runner, model, settings, worker().heartbeat, early).run()
     return [*handed, last]
 
 
-def waiting(folder: Path) -> Calibration:
+def waiting(folder: Path) -> Course:
     """Evaluations that end when a file with the name of their value is there."""
-    return misbehaving(behaviour="wait", seconds=0.02, above=-9.0, notes=str(folder))
+    return Course(misbehaving(behaviour="wait", seconds=0.02, above=-9.0, notes=str(folder)))
 
 
 def particles(hand_in: HandIn) -> list[int]:

@@ -76,7 +76,7 @@ def test_statistics_say_what_they_rest_on(
     assert float(stored.samples.objectives.min()) == service.get(job_id).objective
     assert [record.number for record in stored.record.records][::9] == [0, 39]
     problem = SAMPLED if sampled else SWARM
-    found = analyse(course(problem), stored.samples)
+    found = analyse(course(problem).calibration, stored.samples)
     rule = "spread evenly" if sampled else "half with the lowest objectives, half spread evenly"
     assert f"{stored.samples.size} of its 200 successful evaluations were read, {rule}" in found.warnings[0]
     assert (ParticleSwarmMethod.bias in found.warnings) is not sampled
@@ -112,4 +112,4 @@ def test_a_large_generation_is_thinned(
 
 
 def analysed(stored: StoredJob) -> tuple[str, ...]:
-    return analyse(course(stored.problem), stored.samples).warnings
+    return analyse(course(stored.problem).calibration, stored.samples).warnings

@@ -107,7 +107,7 @@ def run_command(
         from geoswarm.solver.report.document.build import report_of_result
 
         with kept(folder, problem):
-            report = report_of_result(loaded, result, linearise=False if folder is None else None)
+            report = report_of_result(loaded, result)
     fit = fit_of_run(loaded, result, report)
     statistics = None if report is None else report.statistics
     if as_json:

@@ -200,22 +200,31 @@ def report_of_result(
     ----------
     linearise
         Whether to polish the optimum and calculate the sensitivities there, with some hundred further forward runs of a
-        quick model, from stored runs otherwise. By default after a swarm only whose own runs did not do it: the best of
-        a sampling is not an optimum.
+        quick model, from stored runs otherwise. By default after a swarm alone: a search that went on to its minimum
+        made the runs that it was given, and the best of a sampling is not an optimum.
     noise
         Known standard deviation of a reading, base units; that of the problem file when absent.
     """
-    samples, record = Samples.from_result(problem, result), record_of_result(problem, result)
+    samples, record, seed = Samples.from_result(problem, result), record_of_result(problem, result), result.seed
+    found, stored, uncertainty = None, None, NOTHING_FURTHER
+    wanted = problem.method.role == "search" if linearise is None else linearise
     if result.answer is not None and not linearise:
         after = [one.evaluation for one in result.history if one.generation >= result.answer.generation]
-        findings = answer_of(Calibration(problem, result.seed), result.answer, after, noise=noise)
-        if findings.linearisation is not None:
-            uncertainty = Uncertainty(findings)
-            return Report(problem, record, samples, threshold=threshold, noise=noise, uncertainty=uncertainty)
-    wanted = problem.method.role == "search" if linearise is None else linearise
-    found = linearise_here(problem, samples, result.seed, noise=noise) if wanted and samples.size else None
-    stored = linearise_stored(problem, samples, result.seed, noise=noise) if wanted and found is None else None
-    return Report(problem, record, samples, threshold=threshold, optimum=found, linearisation=stored, noise=noise)
+        uncertainty = Uncertainty(answer_of(Calibration(problem, seed), result.answer, after, noise=noise))
+    elif wanted and samples.size:
+        found = linearise_here(problem, samples, seed, noise=noise)
+    if wanted and found is None and uncertainty.findings.linearisation is None:
+        stored = linearise_stored(problem, samples, seed, noise=noise)
+    return Report(
+        problem,
+        record,
+        samples,
+        threshold=threshold,
+        optimum=found,
+        linearisation=stored,
+        noise=noise,
+        uncertainty=uncertainty,
+    )
 
 
 def linearise_stored(

@@ -125,7 +125,7 @@ def report_of_folder(
         raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
     swarm = problem.method.role == "search" and samples.size > 0
     examine = swarm and findings.linearisation is None
-    optimum = linearise_here(problem, samples, seed, noise=noise) if examine else None
+    optimum = linearise_here(problem, samples, seed, noise=noise) if examine and stored.answer is None else None
     stored_runs = examine and optimum is None
     sample = sample_posterior(Calibration(problem, seed), samples, noise=noise) if posterior else None
     return Report(

@@ -69,7 +69,8 @@ def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(tmp_path: Path
 def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem, output = write(tmp_path), tmp_path / "output"
+    # Intervals are part of this search: a report calculates nothing further.
+    problem, output = write(tmp_path, method={"kind": "particle_swarm", "particles": 8}), tmp_path / "output"
     cut_off(monkeypatch, problem, output, 21)
     said = capsys.readouterr().err
     assert f"20 finished runs are kept in {output / 'run.journal'}" in said
@@ -94,7 +95,10 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
     monkeypatch.setattr(Calibration, "evaluate", counted)
     assert main(["run", problem, "--output", str(output), "--resume"]) == 0
     assert "continuing after 20 runs" in capsys.readouterr().err
-    assert len(runs) == 20  # of 40: no run is done twice
+    with (output / "evaluations.csv").open(encoding="utf-8", newline="") as stream:
+        places = {(row["amplitude"], row["rate"]) for row in csv.DictReader(stream)}
+    assert len(runs) == len(places) - 20  # no run is done twice
+    assert json.loads((output / "result.json").read_text(encoding="utf-8"))["answer"] is not None
     assert main(["run", problem, "--output", str(tmp_path / "whole")]) == 0
     assert history(output) == history(tmp_path / "whole")
 
