@@ -8,11 +8,11 @@ from typing import Any
 
 import click
 
-from geoswarm.cli.local.fit import interval_heading, show_fit
 from geoswarm.cli.local.source import as_folder, known_noise, noise_option
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.service.connection import SLOW_ANSWER, connect, find_calibration
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, ends, note, number
+from geoswarm.cli.words.result import interval_heading, show_fit
 
 __all__ = ["posterior_command", "show_findings"]
 

@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from geoswarm.cli.local.figures import figures_missing
-from geoswarm.cli.local.fit import fit_of_run, show_fit
 from geoswarm.cli.local.run_folder import kept, open_folder, show_finished, summary, write_output
 from geoswarm.cli.options import accept_option, accepting, json_option, problem_argument
 from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.kernels import ready
-from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, ends, note, number, reasons_in_words
+from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
+from geoswarm.cli.words.result import show_fit, show_values
 from geoswarm.cli.words.warnings import warn_of_many_points
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
     from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.problem import Problem
+    from geoswarm.solver.report.document.build import Report
     from geoswarm.solver.result import CalibrationResult, GenerationRecord
 
 __all__ = ["run_command"]
-
-_WIDTH = 100
 
 
 @click.command("run")
@@ -108,7 +106,7 @@ def run_command(
 
         with kept(folder, problem):
             report = report_of_result(loaded, result)
-    fit = fit_of_run(loaded, result, report)
+    fit = _fit_of_run(loaded, result, report)
     statistics = None if report is None else report.statistics
     if as_json:
         echo_json(summary(loaded, result, statistics) | {"fit": fit, "compile_seconds": compile_seconds})
@@ -178,17 +176,12 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
     """Write the tables of a finished calibration: values with intervals and verdicts, and the fit."""
     from geoswarm.cli.words.labels import root_mean_square, with_unit
     from geoswarm.solver.report.curves import objective_unit, series_shares
+    from geoswarm.solver.report.jsonable import jsonable
 
     if result.parameters is None or result.best is None:
         return
     unit = objective_unit(problem)
-    echo_table(
-        problem.name,
-        ("parameter", "", "best fit", "95 % from", "to", "unit", "verdict"),
-        _parameter_rows(problem, result.parameters, statistics),
-        right=(2, 3, 4),
-    )
-    _show_doubts(statistics)
+    show_values(problem, result.parameters, None if statistics is None else jsonable(statistics.to_json()))
     rows = [
         (
             s.series,
@@ -215,37 +208,22 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
     )
 
 
-def _parameter_rows(problem: Problem, values: dict[str, float], statistics: Statistics | None) -> list[tuple[str, ...]]:
-    from geoswarm.cli.words.labels import symbol_and_unit
-    from geoswarm.solver.problem import FreeParameter, LinkedParameter
+def _fit_of_run(problem: Problem, result: CalibrationResult, report: Report | None) -> dict[str, Any] | None:
+    """Return the verdict on the fit: the report's, else from the runs of the search; None where nothing succeeded."""
+    from geoswarm.solver.calibration import Calibration
+    from geoswarm.solver.identifiability import Samples
+    from geoswarm.solver.identifiability.stored.findings import follow_up_of
+    from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
+    from geoswarm.solver.report.jsonable import jsonable
 
-    rows: list[tuple[str, ...]] = []
-    for name, parameter in problem.parameters.items():
-        symbol, unit = symbol_and_unit(problem, name)
-        if isinstance(parameter, FreeParameter):
-            interval = None if statistics is None else statistics.intervals[name]
-            said = "" if statistics is None else statistics.verdict(name).words
-            for bound, side in ((parameter.lower, "lower"), (parameter.upper, "upper")):
-                if values[name] == bound:
-                    said = f"{said}, at its {side} bound" if said else f"at its {side} bound"
-            low, high = ("-", "-") if interval is None else ends(*interval)
-        else:
-            said = f"= {parameter.expression.text}" if isinstance(parameter, LinkedParameter) else "fixed"
-            low = high = ""
-        rows.append((name, symbol, number(values[name], 5), low, high, unit, said))
-    return rows
-
-
-def _show_doubts(statistics: Statistics | None) -> None:
-    """Say why parameters are not identified, and one next step."""
-    if statistics is None or statistics.fit.kind not in ("describes", "untested"):
-        return  # what is wrong with the fit stands above, with what to do
-    doubtful = [verdict for verdict in statistics.verdicts if verdict.kind != "identified"]
-    for verdict in doubtful:
-        click.echo(textwrap.fill(verdict.sentence, _WIDTH, initial_indent="  ", subsequent_indent="    "))
-    steps = [proposal.sentence for verdict in doubtful for proposal in verdict.proposals]
-    if steps:
-        click.echo(textwrap.fill(f"Next: {steps[0]}", _WIDTH, initial_indent="  ", subsequent_indent="    "))
+    if result.best is None or follow_up_of(problem) is not None:
+        return None
+    if report is not None and report.statistics is not None:
+        found = report.statistics.fit
+    else:
+        found = fit_of_samples(Calibration(problem, result.seed), Samples.from_result(problem, result))
+    document: dict[str, Any] = jsonable(found.to_json())
+    return document
 
 
 def _shares(result: CalibrationResult) -> str:

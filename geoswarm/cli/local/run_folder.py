@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, note, number, reasons_in_words
+from geoswarm.cli.words.result import show_fit, show_values
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
@@ -84,16 +85,21 @@ def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
     if as_json:
         echo_json({name: result.get(name) for name in _SUMMARY})  # folders of earlier versions lack some
     elif result["parameters"] is not None:
-        echo_facts(
-            problem.name,
-            {name: number(value, 5) for name, value in result["parameters"].items()}
-            | {
-                "objective": number(result["objective"]),
-                "stopped": reasons_in_words(result["stop_reasons"]),
-                "evaluations": str(result["evaluations"]),
-                "time": duration(result["seconds"]),
-            },
-        )
+        from geoswarm.solver.report.folder.reading import report_of_folder
+        from geoswarm.solver.report.jsonable import jsonable
+
+        statistics = report_of_folder(folder).statistics
+        found = None if statistics is None else jsonable(statistics.to_json())
+        if found is not None:
+            show_fit(found["fit"])
+        show_values(problem, result["parameters"], found)
+        facts = {
+            "objective": number(result["objective"]),
+            "stopped": reasons_in_words(result["stop_reasons"]),
+            "evaluations": str(result["evaluations"]),
+            "time": duration(result["seconds"]),
+        }
+        echo_facts(None, facts)
     if result["state"] == "failed":
         raise FailedRunError(result["error"] or "no forward run succeeded")
 

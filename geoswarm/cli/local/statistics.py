@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.local.fit import show_fit
 from geoswarm.cli.local.proposals import proposals_by_key
 from geoswarm.cli.local.source import as_folder, known_noise, noise_option, threshold_check
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.service.connection import connect, find_calibration
 from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
+from geoswarm.cli.words.result import show_fit
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,7 +12,17 @@ import click
 from geoswarm.cli.options import connection_options, job_argument, json_option
 from geoswarm.cli.service.connection import connect, find_job
 from geoswarm.cli.words.labels import root_mean_square, with_unit
-from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, number, reasons_in_words, record_json
+from geoswarm.cli.words.output import (
+    duration,
+    echo_facts,
+    echo_json,
+    echo_table,
+    note,
+    number,
+    reasons_in_words,
+    record_json,
+)
+from geoswarm.cli.words.result import show_fit, show_values, values_json
 from geoswarm.records.states import JOB_STATES
 
 if TYPE_CHECKING:
@@ -22,9 +33,11 @@ __all__ = [
     "cancel_command",
     "list_command",
     "pause_command",
+    "problem_of",
     "resume_command",
     "show_command",
     "show_job",
+    "statistics_of",
     "workers_command",
 ]
 
@@ -81,7 +94,8 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
     """Show a job with its best parameters.
 
     With --json also 'best': the best evaluation with misfits and responses in base units, or null; 'diversity': how
-    widely the particles of the last generation are scattered, or null; with --failures
+    widely the particles of the last generation are scattered, or null; 'intervals' (95 %) and 'verdicts' by parameter,
+    null before a search is finished; with --failures
     'failures': how many for which 'reasons', and the first 20 as 'items'; with --attempts 'attempts'.
     """
     from geoswarm.cli.service.failures import attempts_of, failures_of, show_attempts, show_failures
@@ -102,11 +116,13 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
             best = client.best(found.id)
         except NotFoundError:
             best = None
-        problem = None if best is None or as_json else _problem(client, found)
+        problem = None if best is None or as_json else problem_of(client, found)
+        statistics = statistics_of(client, found)
     if as_json:
-        echo_json(record_json(found) | {"best": best and record_json(best), "diversity": scatter} | more)
+        document = record_json(found) | {"best": best and record_json(best), "diversity": scatter}
+        echo_json(document | values_json(statistics) | more)
         return
-    show_job(found, diversity=scatter, problem=problem)
+    show_job(found, diversity=scatter, problem=problem, statistics=statistics)
     if attempts is not None:
         show_attempts(tries)
     if failures:
@@ -128,7 +144,7 @@ def _misfit_rows(problem: Problem | None, misfits: Mapping[str, float | None]) -
     return [(share.series, number(share.misfit), root_mean_square(share)) for share in series_shares(problem, known)]
 
 
-def _problem(client: Client, job: Job) -> Problem | None:
+def problem_of(client: Client, job: Job) -> Problem | None:
     """The problem of a job, for units; None where this installation lacks its forward model."""
     from geoswarm.solver.errors import SolverError
     from geoswarm.solver.problem import parse_problem
@@ -139,8 +155,37 @@ def _problem(client: Client, job: Job) -> Problem | None:
         return None
 
 
-def show_job(job: Job, *, diversity: float | None = None, problem: Problem | None = None) -> None:
-    """Write what a job is and has found; ``diversity`` of its last generation and ``problem``, where they are known."""
+def statistics_of(client: Client, job: Job) -> dict[str, Any] | None:
+    """Statistics of a search that is finished, as plain JSON; None for other jobs."""
+    from geoswarm.client import HttpError
+
+    if job.state != "finished" or not _searches(job.method):
+        return None
+    try:
+        return asdict(client.statistics(job.id))
+    except HttpError as error:
+        note(f"Note: there are no intervals and verdicts: {error}")
+        return None
+
+
+def show_job(
+    job: Job,
+    *,
+    diversity: float | None = None,
+    problem: Problem | None = None,
+    statistics: Mapping[str, Any] | None = None,
+) -> None:
+    """Write what a job is and has found.
+
+    Parameters
+    ----------
+    diversity
+        Of its last generation, where it is known.
+    problem
+        For symbols and units; None where this installation lacks its forward model.
+    statistics
+        As plain JSON; None before a search is finished.
+    """
     unit = ""
     if problem is not None:
         from geoswarm.solver.report.curves import objective_unit
@@ -166,7 +211,11 @@ def show_job(job: Job, *, diversity: float | None = None, problem: Problem | Non
     if job.error:
         facts["error"] = job.error
     echo_facts(job.name, facts)
-    if job.parameters is not None:
+    if job.parameters is not None and problem is not None and job.ended:
+        if statistics is not None:
+            show_fit(statistics["fit"])
+        show_values(problem, job.parameters, statistics)
+    elif job.parameters is not None:
         rows = [
             (name, number(value, 5), "" if name in job.free_parameters else "fixed or linked")
             for name, value in job.parameters.items()

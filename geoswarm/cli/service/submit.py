@@ -17,7 +17,7 @@ from geoswarm.cli.options import (
 )
 from geoswarm.cli.service.connection import connect, find_job
 from geoswarm.cli.service.hooks import add_hook, tell_secret
-from geoswarm.cli.service.jobs import show_job
+from geoswarm.cli.service.jobs import problem_of, show_job, statistics_of
 from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.kernels import COMPILING, compiled_in
@@ -84,7 +84,7 @@ def submit_command(
             tell_secret(_hooked(client, target, job))
         if watch:
             note(f"Job {job.id}; Ctrl-C stops watching; the job continues.")
-            _end(follow(client, job), as_json)
+            _end(client, follow(client, job), as_json)
         elif as_json:
             echo_json(record_json(job))
         else:
@@ -133,7 +133,7 @@ def watch_command(job: str, as_json: bool, url: str, api_key: str | None) -> Non
     Exit code 0 when it finished, 1 when it failed or was cancelled. Ctrl-C stops watching; the job continues.
     """
     with connect(url, api_key) as client:
-        _end(follow(client, find_job(client, job)), as_json)
+        _end(client, follow(client, find_job(client, job)), as_json)
 
 
 def follow(client: Client, job: Job) -> Job:
@@ -158,10 +158,11 @@ def follow(client: Client, job: Job) -> Job:
             return error.job
 
 
-def _end(job: Job, as_json: bool) -> None:
+def _end(client: Client, job: Job, as_json: bool) -> None:
+    """Write how a job ended; of a search that finished, its values with intervals and verdicts."""
     if as_json:
         echo_json(record_json(job))
     else:
-        show_job(job)
+        show_job(job, problem=problem_of(client, job), statistics=statistics_of(client, job))
     if job.state != "finished":
         raise FailedRunError(f"job {job.id} {job.state}: {job.error}" if job.error else f"job {job.id} was {job.state}")
