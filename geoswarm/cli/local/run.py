@@ -181,7 +181,8 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
     if result.parameters is None or result.best is None:
         return
     unit = objective_unit(problem)
-    show_values(problem, result.parameters, None if statistics is None else jsonable(statistics.to_json()))
+    found = None if statistics is None else jsonable(statistics.to_json())
+    show_values(problem, result.parameters, found, problem.name)
     rows = [
         (
             s.series,

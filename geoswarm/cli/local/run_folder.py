@@ -92,7 +92,7 @@ def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
         found = None if statistics is None else jsonable(statistics.to_json())
         if found is not None:
             show_fit(found["fit"])
-        show_values(problem, result["parameters"], found)
+        show_values(problem, result["parameters"], found, problem.name)
         facts = {
             "objective": number(result["objective"]),
             "stopped": reasons_in_words(result["stop_reasons"]),

@@ -53,7 +53,9 @@ def values_json(found: Mapping[str, Any] | None) -> dict[str, Any]:
     }
 
 
-def show_values(problem: Problem, values: Mapping[str, float], found: Mapping[str, Any] | None) -> None:
+def show_values(
+    problem: Problem, values: Mapping[str, float], found: Mapping[str, Any] | None, title: str | None = None
+) -> None:
     """Write a table of the parameters, why some of them are not identified, and one next step.
 
     Parameters
@@ -62,9 +64,11 @@ def show_values(problem: Problem, values: Mapping[str, float], found: Mapping[st
         Of all parameters.
     found
         Statistics as plain JSON, None where there are none.
+    title
+        Above the table.
     """
     columns = ("parameter", "", "best fit", "95 % from", "to", "unit", "verdict")
-    echo_table(problem.name, columns, _parameter_rows(problem, values, found), right=(2, 3, 4))
+    echo_table(title, columns, _parameter_rows(problem, values, found), right=(2, 3, 4))
     if found is None or found["fit"]["kind"] not in ("describes", "untested"):
         return  # what is wrong with the fit stands above, with what to do
     doubtful = [verdict for verdict in found["verdicts"] if verdict["kind"] != "identified"]
