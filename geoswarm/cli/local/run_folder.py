@@ -85,6 +85,8 @@ def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
     if as_json:
         echo_json({name: result.get(name) for name in _SUMMARY})  # folders of earlier versions lack some
     elif result["parameters"] is not None:
+        from geoswarm.cli.words.labels import with_unit
+        from geoswarm.solver.report.curves import objective_unit
         from geoswarm.solver.report.folder.reading import report_of_folder
         from geoswarm.solver.report.jsonable import jsonable
 
@@ -94,7 +96,7 @@ def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
             show_fit(found["fit"])
         show_values(problem, result["parameters"], found, problem.name)
         facts = {
-            "objective": number(result["objective"]),
+            "objective": with_unit(number(result["objective"]), objective_unit(problem)),
             "stopped": reasons_in_words(result["stop_reasons"]),
             "evaluations": str(result["evaluations"]),
             "time": duration(result["seconds"]),
