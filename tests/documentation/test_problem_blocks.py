@@ -101,6 +101,7 @@ def test_the_first_problem_of_the_reference_is_the_example() -> None:
 @pytest.mark.parametrize(
     ("page", "key"),
     [
+        (FILE, "answer: {max"),
         (FILE, "limits: {seconds"),
         (FILE, "failures:"),
         (FILE, "index_properties: {"),

@@ -55,10 +55,10 @@ def test_the_verdicts_of_the_readme_are_those_of_the_example(reader: tuple[Reade
         ((value, verdict, interval),) = re.findall(
             rf"^{re.escape(symbol)} +(\S+)(?: kPa)? +(\D+?) +95 % interval (\S+ to \S+)", told, re.MULTILINE
         )
-        assert value == f"{found['polished']['parameters'][name]:#.3g}"
+        assert value == f"{found['parameters'][name]:#.3g}"
         assert f"{name} is {verdict} only: its 95 % interval at the optimum is {interval}, " in written
-    runs, polishing = found["evaluations"], found["polished"]["evaluations"]
-    assert f"{runs} runs of the search, {polishing} to polish its result." in told
+    search = found["answer"]["parts"][0]["evaluations"]
+    assert f"{search} runs of the search, {found['evaluations'] - search} for minimum and intervals." in told
     (share,) = re.findall(r"could still hide\nin (\d+ %) of the searched space", told)
     assert f"a basin like this one could still hide in {share} of the searched space" in written
     assert told.splitlines()[-1] in written

@@ -136,6 +136,7 @@ BLOCKS: Final[dict[str, dict[str, str]]] = {
     ),
     "docs/problem-file.md": {
         "name: oedometer-san-cassiano": f"{PROBLEMS}test_the_first_problem_of_the_reference_is_the_example",
+        "answer: {": f"{PROBLEMS}test_a_section_is_accepted",
         "limits: {": f"{PROBLEMS}test_a_section_is_accepted",
         "failures:": f"{PROBLEMS}test_a_section_is_accepted",
         "index_properties:": f"{PROBLEMS}test_a_section_is_accepted",

@@ -232,4 +232,4 @@ def _shares(result: CalibrationResult) -> str:
     answer = result.answer
     if answer is None:
         return ""
-    return f": {answer.evaluations} of the search, {result.evaluations - answer.evaluations} for the intervals"
+    return f": {answer.evaluations} of the search, {result.evaluations - answer.evaluations} for minimum and intervals"
