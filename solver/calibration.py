@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,13 +12,28 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, message_of
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
-from geoswarm.solver.offer import Offer
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.search import Runs
 from geoswarm.solver.space import search_space
 
 __all__ = ["Calibration", "Evaluation", "Offer", "choose_seed", "with_further_tries"]
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """Runs of earlier jobs with the same forward model that a search may learn from.
+
+    Parameters
+    ----------
+    parameters
+        Natural values of this problem's free parameters, shape (k, d).
+    responses
+        Calculated values of every observed series, k of them.
+    """
+
+    parameters: FloatArray
+    responses: Sequence[Mapping[str, FloatArray]]
 
 
 @dataclass(frozen=True, slots=True)

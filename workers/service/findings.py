@@ -11,7 +11,7 @@ from geoswarm.records.job import Job
 from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.errors import NotExaminedError
 from geoswarm.solver.identifiability.stored.exploring import explore_problem
-from geoswarm.solver.identifiability.stored.findings import (
+from geoswarm.solver.identifiability.stored.follow_ups import (
     follow_up_of,
     global_problem,
     profile_problem,

@@ -6,7 +6,7 @@ from sqlalchemy import Connection
 
 from geoswarm.records.progress import FollowUpCost, FollowUpCosts
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.identifiability.stored.findings import global_problem
+from geoswarm.solver.identifiability.stored.follow_ups import global_problem
 from geoswarm.workers.queries.progress import free_workers, mean_seconds
 from geoswarm.workers.service.findings import EXPLORE_RUNS, parent_of
 from geoswarm.workers.service.job_service import JobService

@@ -15,14 +15,8 @@ from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability import Linearisation, Samples, reweight
-from geoswarm.solver.identifiability.stored.findings import (
-    Findings,
-    answer_of,
-    findings_of,
-    follow_up_of,
-    join_findings,
-    same_question,
-)
+from geoswarm.solver.identifiability.stored.findings import Findings, answer_of, findings_of, join_findings
+from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of, same_question
 from geoswarm.solver.identifiability.stored.posterior import Posterior, sample_posterior
 from geoswarm.solver.identifiability.weighting import Weighting
 from geoswarm.solver.problem import Problem, parse_problem

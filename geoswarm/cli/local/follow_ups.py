@@ -262,7 +262,8 @@ class _LocalRun:
         return self.problem.seed or 0
 
     def sensitivity(self, at: dict[str, float] | None, step: float | None, polish: bool, noise: Noise) -> Findings:
-        from geoswarm.solver.identifiability.stored.findings import join_findings, profile_problem
+        from geoswarm.solver.identifiability.stored.findings import join_findings
+        from geoswarm.solver.identifiability.stored.follow_ups import profile_problem
 
         found = self._sensitivities(at, step, polish, noise)
         at_optimum = found.linearisation
@@ -275,13 +276,13 @@ class _LocalRun:
         return join_findings([found, profiles])
 
     def _sensitivities(self, at: dict[str, float] | None, step: float | None, polish: bool, noise: Noise) -> Findings:
-        from geoswarm.solver.identifiability.stored.findings import sensitivity_problem
+        from geoswarm.solver.identifiability.stored.follow_ups import sensitivity_problem
 
         problem = sensitivity_problem(self.problem, self._optimum(at), seed=self.seed, step=step, polish=polish)
         return self._run(problem, noise)
 
     def profile(self, at: dict[str, float] | None, parameters: list[str] | None, noise: Noise) -> Findings:
-        from geoswarm.solver.identifiability.stored.findings import profile_problem
+        from geoswarm.solver.identifiability.stored.follow_ups import profile_problem
         from geoswarm.solver.report.folder.folder_findings import findings_of_folder
 
         found = None
@@ -310,7 +311,7 @@ class _LocalRun:
         return self._run(explore_problem(self.problem, samples, found, seed=self.seed, runs=runs), noise)
 
     def influence(self, kind: Literal["sobol", "morris"], samples: int | None) -> Findings:
-        from geoswarm.solver.identifiability.stored.findings import global_problem
+        from geoswarm.solver.identifiability.stored.follow_ups import global_problem
 
         return self._run(global_problem(self.problem, seed=self.seed, kind=kind, samples=samples), None)
 

@@ -234,7 +234,7 @@ def _examined(folder: Path, workers: int, noise: Any) -> Report:
     try:
         known_of(report, noise)
     except NotExaminedError:
-        from geoswarm.solver.identifiability.stored.findings import sensitivity_problem
+        from geoswarm.solver.identifiability.stored.follow_ups import sensitivity_problem
 
         note("The sensitivities at the optimum come first.")
         best = report.samples.parameters[report.samples.best]

@@ -213,7 +213,7 @@ def _fit_of_run(problem: Problem, result: CalibrationResult, report: Report | No
     """Return the verdict on the fit: the report's, else from the runs of the search; None where nothing succeeded."""
     from geoswarm.solver.calibration import Calibration
     from geoswarm.solver.identifiability import Samples
-    from geoswarm.solver.identifiability.stored.findings import follow_up_of
+    from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
     from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
     from geoswarm.solver.report.jsonable import jsonable
 

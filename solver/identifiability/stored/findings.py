@@ -1,8 +1,8 @@
-"""Follow-up jobs: the problems that ask for more evaluations, and the findings from these.
+"""What the evaluations of follow-ups say.
 
 A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``explore``, ``sobol`` or
 ``morris``; or, with ``predict``, another problem with the parameters of the job. Any engine runs it, and its stored
-evaluations alone give the answer: the plan follows from the problem again.
+evaluations alone give the findings: the plan follows from the problem again.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import singledispatch
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -22,16 +22,15 @@ from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.optimum.bending import measure_bending, with_profiles
 from geoswarm.solver.identifiability.optimum.differences import differentiate, residual_rows
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
-from geoswarm.solver.identifiability.optimum.profiles import Profile, profile_settings, profiles_of
+from geoswarm.solver.identifiability.optimum.profiles import Profile, profiles_of
 from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations, linearise
 from geoswarm.solver.identifiability.prediction.bands import Prediction, prediction_of
-from geoswarm.solver.identifiability.prediction.question import OWN_KEYS, question_hash
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.global_sensitivity import GlobalSensitivity, analyse_design, outputs_of
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.worth.outcome import Design, design_of
-from geoswarm.solver.methods.base import FollowUpMethod, Method
+from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.design import DesignMethod
 from geoswarm.solver.methods.explore import ExploreMethod
 from geoswarm.solver.methods.given_points import GivenPointsMethod
@@ -39,7 +38,7 @@ from geoswarm.solver.methods.global_designs import GlobalMethod
 from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
-from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import MinimumSearch
 
@@ -48,15 +47,9 @@ __all__ = [
     "Findings",
     "answer_of",
     "findings_of",
-    "follow_up_of",
-    "global_problem",
     "join_findings",
-    "profile_problem",
-    "same_question",
-    "sensitivity_problem",
 ]
 
-_LONGEST_NAME = 200
 _INCOMPLETE = "the sensitivities are not complete yet"
 _TOO_FAR = (
     "the minimum is too far from the best run of the search for the {} runs after it; give answer.max_evaluations"
@@ -120,109 +113,6 @@ class Findings:
 
 
 NO_FINDINGS = Findings()
-
-
-def follow_up_of(problem: Problem) -> FollowUpMethod | None:
-    """The method of a follow-up; None for a search or a sampling."""
-    method = problem.method
-    return method if isinstance(method, FollowUpMethod) else None
-
-
-def same_question(problem: Problem, other: Problem) -> bool:
-    """Whether two problems differ at most in name, method, stop criteria and seed, so that results can be joined.
-
-    Of a problem made with the parameters of another one it is that other one that counts.
-    """
-    asked = getattr(other.method, "question", None)
-    if asked is not None:
-        return bool(asked == question_hash(problem))
-    documents = [{k: v for k, v in p.document().items() if k not in OWN_KEYS} for p in (problem, other)]
-    return documents[0] == documents[1]
-
-
-def sensitivity_problem(
-    problem: Problem,
-    optimum: FloatArray,
-    *,
-    seed: int,
-    step: float | None = None,
-    polish: bool = False,
-    of: str | None = None,
-) -> Problem:
-    """The problem that evaluates the sensitivities at an optimum.
-
-    Parameters
-    ----------
-    optimum
-        Shape (d,), natural values.
-    seed
-        Of the job.
-    step
-        Largest difference in parts of the range; the default of the method when None.
-    polish
-        Go to the minimum first.
-    of
-        Id of the job.
-
-    Raises
-    ------
-    ProblemError
-        When there are fewer measured points than free parameters, or the optimum is not admissible.
-    """
-    method = {"kind": "sensitivity", "at": _at(problem, optimum), "step": step, "polish": polish, "of": of}
-    return _changed(problem, method, seed)
-
-
-def profile_problem(
-    problem: Problem,
-    linearisation: Linearisation,
-    *,
-    seed: int,
-    parameters: Sequence[str] | None = None,
-    of: str | None = None,
-) -> Problem:
-    """The problem that evaluates profiles around the optimum of a linearisation, of all parameters unless named.
-
-    Raises
-    ------
-    StatisticsError
-        When the noise is neither known nor could be estimated, or a name is unknown.
-    """
-    settings = profile_settings(Calibration(problem, seed), linearisation, parameters=parameters)
-    names = problem.free_names
-    rise = {name: float(r) for name, r in zip(names, settings.rise, strict=True) if np.isfinite(r)}
-    step = {name: float(s) for name, s in zip(names, settings.step, strict=True) if name in rise}
-    method = {"kind": "profile", "at": _at(problem, settings.optimum), "rise": rise, "step": step, "of": of}
-    return _changed(problem, method, seed)
-
-
-def global_problem(
-    problem: Problem,
-    *,
-    seed: int,
-    kind: Literal["sobol", "morris"] = "sobol",
-    samples: int | None = None,
-    of: str | None = None,
-) -> Problem:
-    """The problem that evaluates the design of Sobol or Morris.
-
-    Raises
-    ------
-    ProblemError
-        When SALib is not installed, or ``samples`` is wrong.
-    """
-    return _changed(problem, {"kind": kind, "samples": samples, "of": of}, seed)
-
-
-def _at(problem: Problem, optimum: FloatArray) -> dict[str, float]:
-    return dict(zip(problem.free_names, np.asarray(optimum, dtype=np.float64).tolist(), strict=True))
-
-
-def _changed(problem: Problem, method: Mapping[str, Any], seed: int) -> Problem:
-    given = {key: value for key, value in method.items() if value is not None}
-    name = f"{problem.name}, {method['kind']}"[:_LONGEST_NAME]
-    document = problem.document() | {"name": name, "method": given, "stopping": {}, "seed": seed}
-    return parse_problem(document, programs=problem.forward_model.runs_programs)
 
 
 def findings_of(

@@ -26,7 +26,8 @@ from geoswarm.solver.identifiability.optimum.bending import likelihood_intervals
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.hidden import Unseen
 from geoswarm.solver.identifiability.optimum.polish import Polished, polish
-from geoswarm.solver.identifiability.stored.findings import answer_of, follow_up_of
+from geoswarm.solver.identifiability.stored.findings import answer_of
+from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.document.content import Content, report_content

@@ -11,7 +11,7 @@ from geoswarm.solver.identifiability import Statistics
 from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD, headline_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.stored.basin_words import where_intervals_hold
-from geoswarm.solver.identifiability.stored.findings import follow_up_of
+from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
 from geoswarm.solver.report.curves import objective_unit, series_shares
 from geoswarm.solver.report.document.captions import CAPTIONS

@@ -13,7 +13,7 @@ from geoswarm.solver.estimates.construction import Construction
 from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.identifiability import Samples, Statistics
 from geoswarm.solver.identifiability.prediction.bands import Prediction
-from geoswarm.solver.identifiability.stored.findings import follow_up_of
+from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.worth.outcome import Design
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.compression import CompressionCurve, compression_curves

@@ -9,13 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from geoswarm.solver.calibration import Evaluation
-from geoswarm.solver.identifiability.stored.findings import (
-    Findings,
-    findings_of,
-    follow_up_of,
-    join_findings,
-    same_question,
-)
+from geoswarm.solver.identifiability.stored.findings import Findings, findings_of, join_findings
+from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of, same_question
 from geoswarm.solver.methods.registry import kinds_of
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.folder.folder_tables import column, read_table

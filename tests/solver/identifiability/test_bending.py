@@ -13,12 +13,8 @@ from geoswarm.solver.identifiability import Linearisation, Samples, analyse, fro
 from geoswarm.solver.identifiability.optimum.bending import likelihood_intervals
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.polish import polish
-from geoswarm.solver.identifiability.stored.findings import (
-    findings_of,
-    join_findings,
-    profile_problem,
-    sensitivity_problem,
-)
+from geoswarm.solver.identifiability.stored.findings import findings_of, join_findings
+from geoswarm.solver.identifiability.stored.follow_ups import profile_problem, sensitivity_problem
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import free, problem_of

@@ -10,7 +10,8 @@ from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import Linearisation, Samples, StatisticsError, analyse
 from geoswarm.solver.identifiability.optimum.hidden import Unseen
 from geoswarm.solver.identifiability.stored.exploring import explore_problem
-from geoswarm.solver.identifiability.stored.findings import Findings, findings_of, same_question
+from geoswarm.solver.identifiability.stored.findings import Findings, findings_of
+from geoswarm.solver.identifiability.stored.follow_ups import same_question
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.runlog import RunLog

@@ -12,10 +12,9 @@ from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import StatisticsError
-from geoswarm.solver.identifiability.stored.findings import (
-    findings_of,
+from geoswarm.solver.identifiability.stored.findings import findings_of, join_findings
+from geoswarm.solver.identifiability.stored.follow_ups import (
     global_problem,
-    join_findings,
     profile_problem,
     same_question,
     sensitivity_problem,

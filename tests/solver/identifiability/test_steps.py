@@ -8,7 +8,8 @@ import pytest
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Linearisation, Samples, analyse, from_evaluations
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
-from geoswarm.solver.identifiability.stored.findings import findings_of, sensitivity_problem
+from geoswarm.solver.identifiability.stored.findings import findings_of
+from geoswarm.solver.identifiability.stored.follow_ups import sensitivity_problem
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.search import SearchSpace

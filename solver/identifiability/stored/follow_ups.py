@@ -1,0 +1,123 @@
+"""The problems of follow-ups: the problem of a job with another ``method``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
+from geoswarm.solver.identifiability.optimum.profiles import profile_settings
+from geoswarm.solver.identifiability.prediction.question import OWN_KEYS, question_hash
+from geoswarm.solver.methods.base import FollowUpMethod
+from geoswarm.solver.problem import Problem, parse_problem
+
+__all__ = ["follow_up_of", "global_problem", "profile_problem", "same_question", "sensitivity_problem"]
+
+_LONGEST_NAME = 200
+
+
+def follow_up_of(problem: Problem) -> FollowUpMethod | None:
+    """The method of a follow-up; None for a search or a sampling."""
+    method = problem.method
+    return method if isinstance(method, FollowUpMethod) else None
+
+
+def same_question(problem: Problem, other: Problem) -> bool:
+    """Whether two problems differ at most in name, method, stop criteria and seed, so that results can be joined.
+
+    Of a problem made with the parameters of another one it is that other one that counts.
+    """
+    asked = getattr(other.method, "question", None)
+    if asked is not None:
+        return bool(asked == question_hash(problem))
+    documents = [{k: v for k, v in p.document().items() if k not in OWN_KEYS} for p in (problem, other)]
+    return documents[0] == documents[1]
+
+
+def sensitivity_problem(
+    problem: Problem,
+    optimum: FloatArray,
+    *,
+    seed: int,
+    step: float | None = None,
+    polish: bool = False,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates the sensitivities at an optimum.
+
+    Parameters
+    ----------
+    optimum
+        Shape (d,), natural values.
+    seed
+        Of the job.
+    step
+        Largest difference in parts of the range; the default of the method when None.
+    polish
+        Go to the minimum first.
+    of
+        Id of the job.
+
+    Raises
+    ------
+    ProblemError
+        When there are fewer measured points than free parameters, or the optimum is not admissible.
+    """
+    method = {"kind": "sensitivity", "at": _at(problem, optimum), "step": step, "polish": polish, "of": of}
+    return _changed(problem, method, seed)
+
+
+def profile_problem(
+    problem: Problem,
+    linearisation: Linearisation,
+    *,
+    seed: int,
+    parameters: Sequence[str] | None = None,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates profiles around the optimum of a linearisation, of all parameters unless named.
+
+    Raises
+    ------
+    StatisticsError
+        When the noise is neither known nor could be estimated, or a name is unknown.
+    """
+    settings = profile_settings(Calibration(problem, seed), linearisation, parameters=parameters)
+    names = problem.free_names
+    rise = {name: float(r) for name, r in zip(names, settings.rise, strict=True) if np.isfinite(r)}
+    step = {name: float(s) for name, s in zip(names, settings.step, strict=True) if name in rise}
+    method = {"kind": "profile", "at": _at(problem, settings.optimum), "rise": rise, "step": step, "of": of}
+    return _changed(problem, method, seed)
+
+
+def global_problem(
+    problem: Problem,
+    *,
+    seed: int,
+    kind: Literal["sobol", "morris"] = "sobol",
+    samples: int | None = None,
+    of: str | None = None,
+) -> Problem:
+    """The problem that evaluates the design of Sobol or Morris.
+
+    Raises
+    ------
+    ProblemError
+        When SALib is not installed, or ``samples`` is wrong.
+    """
+    return _changed(problem, {"kind": kind, "samples": samples, "of": of}, seed)
+
+
+def _at(problem: Problem, optimum: FloatArray) -> dict[str, float]:
+    return dict(zip(problem.free_names, np.asarray(optimum, dtype=np.float64).tolist(), strict=True))
+
+
+def _changed(problem: Problem, method: Mapping[str, Any], seed: int) -> Problem:
+    given = {key: value for key, value in method.items() if value is not None}
+    name = f"{problem.name}, {method['kind']}"[:_LONGEST_NAME]
+    document = problem.document() | {"name": name, "method": given, "stopping": {}, "seed": seed}
+    return parse_problem(document, programs=problem.forward_model.runs_programs)
