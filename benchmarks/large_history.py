@@ -45,6 +45,7 @@ PROBLEM: dict[str, Any] = {
     "observations": [{"series": "y", "points": {"x": list(range(20)), "y": list(range(20))}}],
     "method": {"kind": "particle_swarm", "particles": PARTICLES},
     "stopping": {"max_evaluations": 10},
+    "answer": {"max_evaluations": "off"},
 }
 
 

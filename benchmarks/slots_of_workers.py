@@ -40,7 +40,10 @@ def main(seconds: float, runs: int, slots: int) -> None:
                 wait_for(lambda: len(engine.service.workers()) == slots, "workers")
                 for name, method in ways.items():
                     problem = uneven(
-                        seconds, method={"kind": "particle_swarm", **method}, stopping={"max_evaluations": runs}
+                        seconds,
+                        method={"kind": "particle_swarm", **method},
+                        stopping={"max_evaluations": runs},
+                        answer={"max_evaluations": "off"},
                     )
                     job = engine.service.submit(problem)[0].id
                     wait_until_ended(engine.service, job, 3600.0)

@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from geoswarm.solver.answer import Answer, Part
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.optimum.profiles import profile_settings
@@ -22,10 +21,11 @@ from geoswarm.solver.methods.base import FollowUpMethod, Maker, Task
 from geoswarm.solver.methods.explore import ExploreMethod
 from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
-from geoswarm.solver.progress import Best, Progress, Step
+from geoswarm.solver.progress.answer import Answer, Part
+from geoswarm.solver.progress.state import Best, Progress, Step
+from geoswarm.solver.progress.stopping import MaxSeconds, StopCriterion, evaluations_left
 from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import MinimumSearch
-from geoswarm.solver.stopping import MaxSeconds, StopCriterion, evaluations_left
 
 __all__ = ["begin_answer", "go_on_answering"]
 

@@ -15,9 +15,8 @@ from geoswarm.solver.methods.base import Task
 from geoswarm.solver.methods.widths import REMEMBERED, Situation
 from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import SHARE_OF_SEARCH
-from geoswarm.solver.progress import Best, Progress, Step
-from geoswarm.solver.search import Runs, Search, WideSearch
-from geoswarm.solver.stopping import (
+from geoswarm.solver.progress.state import Best, Progress, Step
+from geoswarm.solver.progress.stopping import (
     MaxEvaluations,
     MaxSeconds,
     StagnationGenerations,
@@ -27,6 +26,7 @@ from geoswarm.solver.stopping import (
     evaluations_left,
     satisfied_reasons,
 )
+from geoswarm.solver.search import Runs, Search, WideSearch
 
 __all__ = ["Course", "stop_criteria"]
 

@@ -20,8 +20,8 @@ from geoswarm.solver.external.python.loading import NOT_IMPORTED
 from geoswarm.solver.plausibility import require_possible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
-from geoswarm.solver.progress import Progress, Step
-from geoswarm.solver.result import GenerationRecord
+from geoswarm.solver.progress.result import GenerationRecord
+from geoswarm.solver.progress.state import Progress, Step
 from geoswarm.solver.runs.evaluators import WATCHED
 from geoswarm.solver.runs.journal import Keeper
 from geoswarm.solver.runs.local import calibrate as calibrate_problem

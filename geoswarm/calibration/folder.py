@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.result import CalibrationResult
+from geoswarm.solver.progress.result import CalibrationResult
 
 if TYPE_CHECKING:
     from geoswarm.solver.report.document.build import Report

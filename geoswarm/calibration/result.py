@@ -13,7 +13,7 @@ from geoswarm.calibration.outlook import Predicted, design, predict
 from geoswarm.calibration.runs import Runs
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.result import CalibrationResult, EvaluationRecord, GenerationRecord
+from geoswarm.solver.progress.result import CalibrationResult, EvaluationRecord, GenerationRecord
 from geoswarm.solver.system.extras import has, needs_extra
 
 if TYPE_CHECKING:

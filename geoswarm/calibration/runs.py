@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.result import CalibrationResult
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.system.extras import has, needs_extra
 
 if TYPE_CHECKING:

@@ -25,8 +25,8 @@ from geoswarm.paper.study import (
 )
 from geoswarm.solver.identifiability import FittedLine, fit_line
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.build import report_of_result
-from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 
 __all__ = ["run_isotropic"]

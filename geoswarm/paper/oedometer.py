@@ -24,8 +24,8 @@ from geoswarm.paper.study import (
     sample,
 )
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.build import report_of_result
-from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 
 __all__ = ["run_oedometer"]

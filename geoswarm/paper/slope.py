@@ -28,9 +28,9 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.forward.cross_section import SectionModel
 from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.build import Report, linearise_stored
 from geoswarm.solver.report.record import record_of_result
-from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 
 __all__ = ["run_slope"]

@@ -13,9 +13,9 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, Statistics, analyse
 from geoswarm.solver.identifiability.stored.correlations import Coordinates
 from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem, parse_problem
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.build import Report
 from geoswarm.solver.report.record import record_of_result
-from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.words import ends
 

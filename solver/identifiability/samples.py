@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.result import CalibrationResult, EvaluationRecord
+from geoswarm.solver.progress.result import CalibrationResult, EvaluationRecord
 
 __all__ = ["Samples", "Source"]
 

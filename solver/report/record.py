@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.identifiability.optimum.polish import Polished
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.result import CalibrationResult, GenerationRecord
+from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.system.versions import versions
 
 __all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]

@@ -16,7 +16,7 @@ from geoswarm.solver.plausibility import implausible, require_possible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.problem.checks.extremes import extreme_issues
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunLog
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem"]

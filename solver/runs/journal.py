@@ -23,7 +23,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.course import Course
-from geoswarm.solver.progress import Progress, Step
+from geoswarm.solver.progress.state import Progress, Step
 from geoswarm.solver.system.file_locks import try_lock
 
 __all__ = ["Journal", "Keeper", "RunIdentity", "Stored", "read_journal"]

@@ -14,14 +14,14 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import fatal_message
-from geoswarm.solver.progress import Progress
-from geoswarm.solver.result import (
+from geoswarm.solver.progress.result import (
     CalibrationResult,
     EvaluationRecord,
     GenerationRecord,
     generation_record,
     no_success_message,
 )
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.evaluators import evaluator
 from geoswarm.solver.runs.journal import Keeper
 from geoswarm.solver.runs.runlog import RunKey, RunLog

@@ -16,7 +16,7 @@ import psutil
 import pytest
 
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.result import CalibrationResult
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.runs import evaluators
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.hosts.engine import open_engine

@@ -15,11 +15,11 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.examples import example_file
 from geoswarm.solver.identifiability.stored.findings import answer_of
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.result import CalibrationResult
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.report.document.build import report_of_result
 from geoswarm.solver.report.folder.reading import report_of_folder
 from geoswarm.solver.report.folder.run_folder import open_run_folder
-from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.problems import decay_document

@@ -11,7 +11,7 @@ from geoswarm.solver.calibration import Calibration, choose_seed
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod, swarm_settings
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.state import Progress
 from tests.solver.problems import decay_problem
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from geoswarm.solver.errors import WorkerLostError
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.result import CalibrationResult, GenerationRecord
+from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.runs import evaluators
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.system.processes import descendants

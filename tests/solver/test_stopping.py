@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from geoswarm.solver.stopping import (
+from geoswarm.solver.progress.stopping import (
     MaxEvaluations,
     MaxSeconds,
     StagnationGenerations,

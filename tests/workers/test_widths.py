@@ -12,7 +12,7 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.forward.formula import FormulaSpec
 from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.problem import Problem, Stopping
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.queries.jobs import lock_job
 from geoswarm.workers.queries.workers import forget_worker, see_worker

@@ -13,7 +13,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.course import Course
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.progress import Step
+from geoswarm.solver.progress.state import Step
 from geoswarm.solver.runner.fork_server_link import ForkServerLink
 from geoswarm.workers.coordinator.work import HandIn
 from geoswarm.workers.execution.worker import _Turn

@@ -16,7 +16,7 @@ from sqlalchemy import Connection
 
 from geoswarm.solver.errors import InfeasibleSpaceError, ProblemError, SolverError
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.agents.needs import is_need, needs_of, registered_need
 from geoswarm.workers.agents.prepared import Prepared, PreparedJobs

@@ -15,8 +15,8 @@ from geoswarm.records.states import ENDED_STATES, JOB_STATES
 from geoswarm.solver.course import stop_criteria
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
-from geoswarm.solver.progress import Progress
-from geoswarm.solver.stopping import StopCriterion, SwarmStatus, satisfied_reasons
+from geoswarm.solver.progress.state import Progress
+from geoswarm.solver.progress.stopping import StopCriterion, SwarmStatus, satisfied_reasons
 from geoswarm.workers.access.quotas import check_quotas
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError
 from geoswarm.workers.queries.jobs import LockedJob, get_problem

@@ -19,8 +19,8 @@ from sqlalchemy import ColumnElement, Connection, and_, func, insert, select, te
 
 from geoswarm.records.states import ENDED_STATES, UNDONE_STATES
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.progress import Best, Progress
-from geoswarm.solver.result import no_success_message
+from geoswarm.solver.progress.result import no_success_message
+from geoswarm.solver.progress.state import Best, Progress
 from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
 from geoswarm.workers.queries.jobs import LockedJob, publish_state
 from geoswarm.workers.queries.queue import REOPENED, first_place

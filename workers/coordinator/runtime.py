@@ -20,7 +20,7 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.problem import Stopping, parse_problem
 from geoswarm.solver.problem.running import Failures
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.workers.coordinator.ending import change_stopping
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange

@@ -13,7 +13,7 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.forward.registry import is_foreign
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, NoProcessError, RunLimits
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner

@@ -26,8 +26,8 @@ from sqlalchemy.dialects.postgresql import insert as postgresql_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
 from geoswarm.records.states import ENDED_STATES
-from geoswarm.solver.progress import Progress
-from geoswarm.solver.result import GenerationRecord
+from geoswarm.solver.progress.result import GenerationRecord
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.queries.evaluations import drop_generation
 from geoswarm.workers.queries.queue import first_place

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Sequence
 
 from sqlalchemy import Connection, select, tuple_
 
-from geoswarm.solver.result import GenerationRecord
+from geoswarm.solver.progress.result import GenerationRecord
 from geoswarm.workers.store.codec import unpack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import evaluations, generations, jobs

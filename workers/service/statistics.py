@@ -11,7 +11,6 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from sqlalchemy import Connection
 
-from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability import Linearisation, Samples, reweight
@@ -20,6 +19,7 @@ from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of, same
 from geoswarm.solver.identifiability.stored.posterior import Posterior, sample_posterior
 from geoswarm.solver.identifiability.weighting import Weighting
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.report.document.build import Report, linearise_stored
 from geoswarm.solver.report.document.reweighted import reweighted_document
 from geoswarm.solver.report.record import BestFit, RunRecord

@@ -24,10 +24,10 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.methods.widths import Situation
-from geoswarm.solver.progress import Progress
-from geoswarm.solver.result import GenerationRecord, generation_record, no_success_message
+from geoswarm.solver.progress.result import GenerationRecord, generation_record, no_success_message
+from geoswarm.solver.progress.state import Progress
+from geoswarm.solver.progress.stopping import StopCriterion
 from geoswarm.solver.search import Runs
-from geoswarm.solver.stopping import StopCriterion
 from geoswarm.workers.errors import InvalidTransitionError
 
 __all__ = [

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
     from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.problem import Problem
+    from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
     from geoswarm.solver.report.document.build import Report
-    from geoswarm.solver.result import CalibrationResult, GenerationRecord
 
 __all__ = ["run_command"]
 

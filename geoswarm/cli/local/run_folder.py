@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.identifiability.optimum.polish import Polished
     from geoswarm.solver.problem import Problem
+    from geoswarm.solver.progress.result import CalibrationResult
     from geoswarm.solver.report.document.build import Report
     from geoswarm.solver.report.folder.run_folder import RunFolder
-    from geoswarm.solver.result import CalibrationResult
 
 __all__ = ["kept", "open_folder", "show_finished", "summary", "write_output"]
 

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
@@ -39,6 +38,7 @@ from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import MinimumSearch
 

@@ -30,6 +30,7 @@ from geoswarm.solver.identifiability.stored.findings import answer_of
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.content import Content, report_content
 from geoswarm.solver.report.document.html import html_fragment, html_report
 from geoswarm.solver.report.document.pdf import pdf_report
@@ -37,7 +38,6 @@ from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.style import save_figure
 from geoswarm.solver.report.record import Optimum, RunRecord, record_of_result
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
-from geoswarm.solver.result import CalibrationResult
 
 __all__ = ["Report", "linearise_here", "linearise_stored", "report_of_result"]
 

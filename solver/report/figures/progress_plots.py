@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.identifiability import Samples
+from geoswarm.solver.progress.result import GenerationRecord
 from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.labels import ParameterLabel
 from geoswarm.solver.report.figures.style import (
@@ -21,7 +22,6 @@ from geoswarm.solver.report.figures.style import (
     plain_ticks,
     with_unit,
 )
-from geoswarm.solver.result import GenerationRecord
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
@@ -19,13 +18,14 @@ from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.identifiability.stored.findings import answer_of, join_findings
 from geoswarm.solver.identifiability.stored.posterior import sample_posterior
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.progress.answer import Answer
+from geoswarm.solver.progress.result import GenerationRecord
 from geoswarm.solver.report.document.build import Report, linearise_here, linearise_stored
 from geoswarm.solver.report.folder.folder_findings import evaluations_of_folder, findings_of_folder
 from geoswarm.solver.report.folder.folder_tables import column, read_table
 from geoswarm.solver.report.folder.tables import parameter_column
 from geoswarm.solver.report.record import BestFit, RunRecord
 from geoswarm.solver.report.uncertainty import Uncertainty
-from geoswarm.solver.result import GenerationRecord
 
 __all__ = ["FolderError", "StoredRun", "report_of_folder", "run_of_folder"]
 

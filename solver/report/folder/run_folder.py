@@ -14,7 +14,8 @@ from geoswarm.solver.calibration import Evaluation, Offer, choose_seed
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.progress import Progress, Step
+from geoswarm.solver.progress.result import CalibrationResult, generation_record
+from geoswarm.solver.progress.state import Progress, Step
 from geoswarm.solver.report.folder.tables import (
     evaluation_header,
     evaluation_row,
@@ -26,7 +27,6 @@ from geoswarm.solver.report.folder.tables import (
     write_responses,
     write_result,
 )
-from geoswarm.solver.result import CalibrationResult, generation_record
 from geoswarm.solver.runs.journal import Journal, RunIdentity, Stored, read_journal
 
 if TYPE_CHECKING:

@@ -14,11 +14,11 @@ from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.estimates.classical import classical_values
 from geoswarm.solver.estimates.index import estimates_of, index_document
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.report.document.laboratory import calculated_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
 from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.report.terms import values_in_terms
-from geoswarm.solver.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.system.versions import versions
 from geoswarm.solver.words import visible
 

@@ -20,7 +20,7 @@ from geoswarm.solver.identifiability.stored.follow_ups import (
     sensitivity_problem,
 )
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import X, free, linearised, problem_of

@@ -14,8 +14,8 @@ from geoswarm.solver.identifiability import Samples, Statistics, Verdict, analys
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.build import linearise_stored, report_of_result
-from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.zoo import CONFIDENT, SWARM, ZOO, Animal
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.build import Report, report_of_result
-from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "oedometer" / "problem.yaml"

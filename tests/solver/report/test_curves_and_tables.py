@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.curves import objective_unit, series_curves, series_shares
 from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
 from geoswarm.solver.report.figures.fit_plot import fit_figure, fit_rows
 from geoswarm.solver.report.folder.tables import write_evaluations, write_result
-from geoswarm.solver.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 from tests.solver.problems import decay_document
 

@@ -11,7 +11,7 @@ import pytest
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.course import Course
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
-from geoswarm.solver.result import CalibrationResult
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.problems import decay_problem

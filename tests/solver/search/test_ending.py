@@ -13,8 +13,8 @@ from scipy.optimize import least_squares
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.course import Course
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.progress import Progress
-from geoswarm.solver.result import CalibrationResult
+from geoswarm.solver.progress.result import CalibrationResult
+from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import free, problem_of

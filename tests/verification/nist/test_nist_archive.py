@@ -11,7 +11,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Linearisation, Samples, analyse, from_evaluations
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.result import CalibrationResult
+from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.runs.local import calibrate
 from tests.verification.nist.archive import NAMES, ArchiveSet, archive_set
 

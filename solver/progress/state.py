@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.answer import Answer
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.methods.base import Method
+from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.search import Snapshot
 
 __all__ = ["Best", "Progress", "Step"]

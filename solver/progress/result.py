@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from geoswarm.solver.answer import Answer
 from geoswarm.solver.calibration import Evaluation
-from geoswarm.solver.notebook import result_html
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.progress import Progress
+from geoswarm.solver.progress.answer import Answer
+from geoswarm.solver.progress.notebook import result_html
+from geoswarm.solver.progress.state import Progress
 
 __all__ = ["CalibrationResult", "EvaluationRecord", "GenerationRecord", "generation_record", "no_success_message"]
 

@@ -1,0 +1,1 @@
+"""Where a calibration stands: its state between generations, when it stops, and what it returns."""
