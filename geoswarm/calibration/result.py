@@ -49,8 +49,8 @@ class Result:
     ...     stopping={"max_evaluations": 100},
     ...     seed=1,
     ... )
-    >>> result.stop_reasons, result.evaluations
-    (('max_evaluations',), 100)
+    >>> result.stop_reasons, result.evaluations <= 100
+    (('max_evaluations',), True)
     >>> print(f"{result.objective:.3f}")
     0.008
     >>> result.statistics().fit.kind

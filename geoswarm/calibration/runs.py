@@ -45,8 +45,8 @@ class Runs(Mapping[str, npt.NDArray[Any]]):
     ... )
     >>> runs = result.runs
     >>> good = runs["objective"] < 0.1
-    >>> bool(good.any()), runs["a"].shape, runs.responses["y"].shape
-    (True, (100,), (100, 4))
+    >>> bool(good.any()), runs["a"].shape == (runs.size,), runs.responses["y"].shape == (runs.size, 4)
+    (True, True, True)
     """
 
     def __init__(self, problem: Problem, result: CalibrationResult) -> None:

@@ -43,7 +43,7 @@ def result(line: Counted) -> Iterator[gs.Result]:
 def test_another_threshold_takes_no_further_run(line: Counted, result: gs.Result) -> None:
     proposed = result.statistics()
     before = line.runs
-    assert before > 200  # some at the optimum
+    assert 150 < before <= 200  # those at the optimum are part of the search
     threshold = 2.0 * proposed.filtered.threshold.value
     other = result.statistics(threshold=np.float32(threshold))
     assert line.runs == before
