@@ -88,6 +88,15 @@ def test_the_bound_is_kept_and_off_leaves_the_search_as_it_was() -> None:
         ]
 
 
+def test_too_few_runs_to_reach_the_minimum_are_named() -> None:
+    problem = problem_of({"max_evaluations": 10}, stopping={"max_evaluations": 400, "target_objective": 0.5})
+    report = report_of_result(problem, calibrate(problem))
+    assert report.uncertainty.findings.linearisation is None
+    (note,) = (note for note in report.content.notes if "did not reach the minimum" in note)
+    assert note.startswith("10 runs after the search")
+    assert "answer.max_evaluations" in note
+
+
 def test_stop_criteria_hold_for_search_and_answer_together() -> None:
     result = calibrate(problem_of(stopping={"max_evaluations": 50}))
     assert result.answer is not None

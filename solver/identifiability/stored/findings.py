@@ -52,7 +52,7 @@ __all__ = [
 
 _INCOMPLETE = "the sensitivities are not complete yet"
 _TOO_FAR = (
-    "the minimum is too far from the best run of the search for the {} runs after it; give answer.max_evaluations"
+    "{} runs after the search did not reach the minimum, so there are no intervals; give more (answer.max_evaluations)"
 )
 
 
@@ -224,7 +224,7 @@ def _of_minimum(
     walk = search.walk(rows)
     best = evaluations[walk.row]
     if walk.far:
-        return Findings(start_objective=start, notes=(_TOO_FAR,))
+        return Findings(start_objective=start, notes=(_TOO_FAR.format(search.told),))
     try:
         jacobian = differentiate(calibration, plan, [evaluations[first + row] for row in chosen])
         there = replace(jacobian, optimum=search.place(walk.row), responses=dict(best.responses))
