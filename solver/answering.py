@@ -17,7 +17,7 @@ from geoswarm.solver.identifiability.optimum.profiles import profile_settings
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.exploring import other_starts
 from geoswarm.solver.identifiability.stored.findings import Findings, answer_of
-from geoswarm.solver.methods.base import FollowUpMethod, Maker, Task
+from geoswarm.solver.methods.base import FollowUpMethod, Maker, Task, by_name
 from geoswarm.solver.methods.explore import ExploreMethod
 from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
@@ -25,13 +25,12 @@ from geoswarm.solver.progress.answer import Answer, Part
 from geoswarm.solver.progress.state import Best, Progress, Step
 from geoswarm.solver.progress.stopping import MaxSeconds, StopCriterion, evaluations_left
 from geoswarm.solver.search import Runs
-from geoswarm.solver.search.descent.minimum import MinimumSearch
+from geoswarm.solver.search.descent.minimum import LOST_IN_NOISE, MinimumSearch
 
 __all__ = ["begin_answer", "go_on_answering"]
 
 _MOST_MINIMA = 4  # that sensitivities are calculated at
 _BETTER = 1e-9  # relative decrease of the objective
-_LOST_IN_NOISE = 1e-3  # of the variance of the noise: a thirtieth of a standard error
 
 
 def begin_answer(
@@ -88,6 +87,7 @@ def go_on_answering(
     best = _best(calibration, progress, search, objectives)
     search.tell(objectives, runs)
     positions = search.ask()
+    answer = replace(answer, parts=(*answer.parts[:-1], replace(part, snapshot=search.snapshot())))
     after = replace(
         progress,
         generation=progress.generation + 1,
@@ -95,14 +95,14 @@ def go_on_answering(
         evaluations=progress.evaluations + len(objectives),
         failed=progress.failed + int(np.isinf(objectives).sum()),
         best=best,
-        answer=replace(answer, parts=(*answer.parts[:-1], replace(part, snapshot=search.snapshot()))),
+        answer=answer,
     )
     if any(isinstance(one, MaxSeconds) and seconds >= one.limit for one in limits):
         return Step(after, answer.reasons)
     if 0 < len(after.positions) <= _room(after):
         return Step(after, ())
     for method in _further(calibration, after, runs):
-        if (begun := _begin(calibration, after, after.answer, method)) is not None:
+        if (begun := _begin(calibration, after, answer, method)) is not None:
             return Step(begun, ())
     return Step(replace(after, positions=np.empty((0, calibration.space.dimension))), answer.reasons)
 
@@ -118,11 +118,8 @@ def _maker(calibration: Calibration, method: FollowUpMethod) -> Maker:
     return method.maker(Task(calibration.space, calibration.seed, nothing, None, None))
 
 
-def _begin(
-    calibration: Calibration, progress: Progress, answer: Answer | None, method: FollowUpMethod
-) -> Progress | None:
+def _begin(calibration: Calibration, progress: Progress, answer: Answer, method: FollowUpMethod) -> Progress | None:
     """Ask for the first generation of a follow-up; None where it has none, or there is no room."""
-    assert answer is not None
     search = _maker(calibration, method).start(1)
     positions = search.ask()
     document = method.model_dump(mode="json", exclude_none=True)
@@ -147,12 +144,11 @@ def _best(calibration: Calibration, progress: Progress, search: object, objectiv
 
 def _lower(calibration: Calibration) -> float:
     """How many times an objective another one must be to belong to a better minimum, and not to the same one."""
-    return 1.0 - max(_BETTER, _LOST_IN_NOISE / max(calibration.problem.counted_points - calibration.space.dimension, 1))
+    return 1.0 - max(_BETTER, LOST_IN_NOISE / max(calibration.problem.counted_points - calibration.space.dimension, 1))
 
 
 def _sensitivity(calibration: Calibration, best: Best, runs: int) -> SensitivityMethod:
-    at = dict(zip(calibration.free_names, best.parameters.tolist(), strict=True))
-    return SensitivityMethod(at=at, polish=True, runs=max(runs, 1))
+    return SensitivityMethod(at=by_name(calibration.space, best.parameters), polish=True, runs=max(runs, 1))
 
 
 def _further(calibration: Calibration, progress: Progress, runs: Runs) -> Iterator[FollowUpMethod]:
@@ -176,14 +172,13 @@ def _further(calibration: Calibration, progress: Progress, runs: Runs) -> Iterat
         points = _elsewhere(calibration, answer, findings, runs)[:room]
         if points:
             listed = dict(zip(calibration.free_names, np.array(points).T.tolist(), strict=True))
-            at = dict(zip(calibration.free_names, found.optimum.tolist(), strict=True))
+            at = by_name(calibration.space, found.optimum)
             yield ExploreMethod(at=at, points=listed, runs=room, objective=findings.objective)
     bent = [name for name in found.names if found.bent(name)]
     if bent and not any(isinstance(method, ProfileMethod) for method in since):
         settings = profile_settings(calibration, found, parameters=bent)
         at, rise, step = (
-            dict(zip(calibration.free_names, values.tolist(), strict=True))
-            for values in (settings.optimum, settings.rise, settings.step)
+            by_name(calibration.space, values) for values in (settings.optimum, settings.rise, settings.step)
         )
         yield ProfileMethod(at=at, rise={n: rise[n] for n in bent}, step={n: step[n] for n in bent})
 

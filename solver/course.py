@@ -85,10 +85,9 @@ class Course:
         """What is calibrated."""
         return self.calibration.problem
 
-    @property
-    def learns(self) -> bool:
-        """Whether it needs all runs so far to go on."""
-        return self.problem.method.learns or self.problem.answers
+    def learns(self, progress: Progress) -> bool:
+        """Whether all runs so far are needed to go on from there."""
+        return self.problem.method.learns or progress.answer is not None
 
     def advance(
         self,
@@ -110,7 +109,7 @@ class Course:
         seconds
             Running time of the job so far [s].
         runs
-            All evaluations so far, this generation included; needed when it :attr:`learns`.
+            All evaluations so far, this generation included; needed where it :meth:`learns`.
         criteria
             Stop criteria in place of the problem's.
         situation
@@ -118,13 +117,13 @@ class Course:
         """
         problem = self.problem
         method, limits = problem.method, self.criteria if criteria is None else criteria
-        if self.learns and runs is None:
+        if self.learns(progress) and runs is None:
             raise ValueError("a search that learns needs the runs so far")
         told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
         found = progress.best is not None or bool(np.isfinite(told).any())
         criteria = _of_search(self.calibration, limits) if found else limits
         if progress.answer is not None and runs is not None:
-            from geoswarm.solver.answering import go_on_answering
+            from geoswarm.solver.answering import go_on_answering  # needs SciPy: not before a search has ended
 
             return go_on_answering(self.calibration, progress, told, runs, limits, seconds)
         search = self._maker.restore(progress.snapshot)

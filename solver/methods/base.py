@@ -224,6 +224,11 @@ class FollowUpMethod(Method):
         return []
 
 
+def by_name(space: SearchSpace, values: FloatArray) -> dict[str, float]:
+    """Return values in the order of a space, shape (d,), by name: the inverse of :func:`in_order`."""
+    return dict(zip(space.names, values.tolist(), strict=True))
+
+
 def in_order(space: SearchSpace, values: Mapping[str, float], missing: float | None = None) -> FloatArray:
     """Return values by name in the order of a space, shape (d,).
 

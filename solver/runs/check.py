@@ -169,8 +169,8 @@ def search_seconds(course: Course, start: Progress, run: Evaluation) -> float:
     tried in the middle of the plan, at most after as many runs as such a search looks at. Their responses are those of
     the ``run``, scaled by where they are.
     """
-    calibration = course.calibration
-    if not course.learns or calibration.problem.method.role == "follow_up" or run.reason is not None:
+    calibration, method = course.calibration, course.problem.method
+    if not method.learns or method.role == "follow_up" or run.reason is not None:
         return 0.0
     planned, space = calibration.problem.planned_evaluations, calibration.space
     earlier = _LOOKED_AT if planned is None else min(planned // 2, _LOOKED_AT)

@@ -107,12 +107,12 @@ def calibrate(
                 result = _result(problem, seed, progress, (), history, records, time.monotonic() - began)
                 return replace(result, state="failed", error=fatal)
             objectives = [e.objective for e in evaluations]
-            if course.learns:
+            if problem.method.learns or problem.answers:
                 log.add([e.parameters for e in evaluations], objectives)
                 responses.append([e.responses for e in evaluations])
             step, seconds = keeper.known_step(progress.generation), time.monotonic() - began
             if step is None:
-                runs = log.runs(fetch) if course.learns else None
+                runs = log.runs(fetch) if course.learns(progress) else None
                 situation = situations(Situation(slots, [e.seconds for e in evaluations]), progress.generation)
                 step = course.advance(progress, objectives, seconds, runs, situation=situation)
             keeper.closed(progress.generation, evaluations, step, seconds)

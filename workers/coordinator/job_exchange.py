@@ -251,7 +251,7 @@ class JobExchange:
                 criteria=changed_criteria(stopping),
                 situation=self._situation([v["seconds"] or 0.0 for v in values]),
             )
-            if self.course.learns:  # takes its time: the database must not wait
+            if self._learns():  # takes its time: the database must not wait
                 self.due = Due(self.job, event, stopping)
                 return None
             transition = apply(self.job, event, self.course)
@@ -348,13 +348,18 @@ class JobExchange:
         ahead = load_generation(self.connection, self.locked.id, rows.generation + 1, briefly=self.large)
         return [ahead] if ahead.cells else []
 
+    def _learns(self) -> bool:
+        """Whether the job goes on by its stored runs: it does so here, where they are stored."""
+        if self.course.problem.method.learns or self.job is None or self.job.progress is None:
+            return True
+        return self.course.learns(self.job.progress)
+
     def _claim(self, rows: GenerationRows, cells: Sequence[Cell], *, last: bool) -> Claim:
-        # A search that learns from stored runs advances here, where they are stored.
         whole = (
             self.locked.row.retry_to is None
-            and not self.course.learns
             and len(cells) == len(rows.cells)
             and self.sizing.burst(self.typical, len(cells))
+            and not self._learns()
         )
         return Claim(
             job_id=self.locked.id,

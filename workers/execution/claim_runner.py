@@ -114,7 +114,7 @@ class ClaimRunner:
             whole_generations.append(WholeGeneration(generation, results, transition, claim.now + elapsed))
             job = transition.job
             tired = elapsed > self._settings.chunk_seconds or self._heartbeat.unwanted() is not None
-            if tired or job.state != "running" or job.progress is None:
+            if tired or job.state != "running" or job.progress is None or self._course.learns(job.progress):
                 return HandIn(claim, whole_generations, job.generation, ())
             generation, positions = job.generation, job.progress.positions
             particles, attempts = range(len(positions)), [1] * len(positions)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoswarm.cli.local.figures import figures_missing
-from geoswarm.cli.local.run_folder import kept, open_folder, show_finished, summary, write_output
+from geoswarm.cli.local.run_folder import kept, open_folder, show_finished, write_output
 from geoswarm.cli.options import accept_option, accepting, json_option, problem_argument
 from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
@@ -109,7 +109,9 @@ def run_command(
     fit = _fit_of_run(loaded, result, report)
     statistics = None if report is None else report.statistics
     if as_json:
-        echo_json(summary(loaded, result, statistics) | {"fit": fit, "compile_seconds": compile_seconds})
+        from geoswarm.solver.report.folder.tables import summary_document
+
+        echo_json(summary_document(loaded, result, statistics) | {"fit": fit, "compile_seconds": compile_seconds})
     elif result.state == "finished":
         show_fit(fit)
         show_result(loaded, result, statistics)

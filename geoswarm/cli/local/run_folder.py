@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, note, number, reasons_in_words
@@ -14,28 +14,19 @@ from geoswarm.cli.words.result import show_fit, show_values
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
-    from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.identifiability.optimum.polish import Polished
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.progress.result import CalibrationResult
     from geoswarm.solver.report.document.build import Report
     from geoswarm.solver.report.folder.run_folder import RunFolder
 
-__all__ = ["kept", "open_folder", "show_finished", "summary", "write_output"]
+__all__ = ["kept", "open_folder", "show_finished", "write_output"]
 
 _SUMMARY = (
     *("state", "stop_reasons", "objective", "parameters", "intervals", "verdicts", "search_best"),
     *("evaluations", "generations", "seconds", "seed"),
 )
 _WORTH = 1e-3  # a relative decrease of the objective that is told
-
-
-def summary(problem: Problem, result: CalibrationResult, statistics: Statistics | None) -> dict[str, Any]:
-    """Return what ``geoswarm run --json`` prints: the result, with interval and kind of verdict of each parameter."""
-    from geoswarm.solver.report.folder.tables import result_document
-
-    document = result_document(problem, result, statistics)
-    return {name: document[name] for name in _SUMMARY}
 
 
 def open_folder(

@@ -14,7 +14,9 @@ from geoswarm.solver.identifiability.optimum.basins import equivalent_objective,
 from geoswarm.solver.identifiability.optimum.hidden import Unseen, places
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.identifiability.stored.follow_ups import follow_up
+from geoswarm.solver.methods.base import by_name
+from geoswarm.solver.problem import Problem
 
 __all__ = ["explore_problem", "other_starts"]
 
@@ -23,7 +25,6 @@ _MOST_RUNS = 2000  # stored runs that are looked at: the best, and others spread
 _MOST_SWAPS, _MOST_HEADS = 10, 12
 _HEIGHT = 2.0  # times as high as a basin reaches: descents cost little
 _SAME = 1e-9  # relative difference of parameters
-_LONGEST_NAME = 200
 
 
 def explore_problem(
@@ -76,13 +77,12 @@ def explore_problem(
     points = np.array(found).reshape(-1, samples.dimension)
     method = {
         "kind": "explore",
-        "at": dict(zip(problem.free_names, optimum.tolist(), strict=True)),
+        "at": by_name(calibration.space, optimum),
         "points": {name: column.tolist() for name, column in zip(problem.free_names, points.T, strict=True)},
         "runs": runs,
-    } | ({} if of is None else {"of": of})
-    name = f"{problem.name}, explore"[:_LONGEST_NAME]
-    document = problem.document() | {"name": name, "method": method, "stopping": {}, "seed": seed}
-    return parse_problem(document, programs=problem.forward_model.runs_programs)
+        "of": of,
+    }
+    return follow_up(problem, method, seed)
 
 
 def other_starts(

@@ -12,10 +12,11 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import profile_settings
 from geoswarm.solver.identifiability.prediction.question import OWN_KEYS, question_hash
-from geoswarm.solver.methods.base import FollowUpMethod
+from geoswarm.solver.methods.base import FollowUpMethod, by_name
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.space import search_space
 
-__all__ = ["follow_up_of", "global_problem", "profile_problem", "same_question", "sensitivity_problem"]
+__all__ = ["follow_up", "follow_up_of", "global_problem", "profile_problem", "same_question", "sensitivity_problem"]
 
 _LONGEST_NAME = 200
 
@@ -68,7 +69,7 @@ def sensitivity_problem(
         When there are fewer measured points than free parameters, or the optimum is not admissible.
     """
     method = {"kind": "sensitivity", "at": _at(problem, optimum), "step": step, "polish": polish, "of": of}
-    return _changed(problem, method, seed)
+    return follow_up(problem, method, seed)
 
 
 def profile_problem(
@@ -91,7 +92,7 @@ def profile_problem(
     rise = {name: float(r) for name, r in zip(names, settings.rise, strict=True) if np.isfinite(r)}
     step = {name: float(s) for name, s in zip(names, settings.step, strict=True) if name in rise}
     method = {"kind": "profile", "at": _at(problem, settings.optimum), "rise": rise, "step": step, "of": of}
-    return _changed(problem, method, seed)
+    return follow_up(problem, method, seed)
 
 
 def global_problem(
@@ -109,14 +110,15 @@ def global_problem(
     ProblemError
         When SALib is not installed, or ``samples`` is wrong.
     """
-    return _changed(problem, {"kind": kind, "samples": samples, "of": of}, seed)
+    return follow_up(problem, {"kind": kind, "samples": samples, "of": of}, seed)
 
 
 def _at(problem: Problem, optimum: FloatArray) -> dict[str, float]:
-    return dict(zip(problem.free_names, np.asarray(optimum, dtype=np.float64).tolist(), strict=True))
+    return by_name(search_space(problem), np.asarray(optimum, dtype=np.float64))
 
 
-def _changed(problem: Problem, method: Mapping[str, Any], seed: int) -> Problem:
+def follow_up(problem: Problem, method: Mapping[str, Any], seed: int) -> Problem:
+    """The problem with another method; entries that are None are left out."""
     given = {key: value for key, value in method.items() if value is not None}
     name = f"{problem.name}, {method['kind']}"[:_LONGEST_NAME]
     document = problem.document() | {"name": name, "method": given, "stopping": {}, "seed": seed}

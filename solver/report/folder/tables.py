@@ -32,6 +32,7 @@ __all__ = [
     "generation_row",
     "parameter_column",
     "result_document",
+    "summary_document",
     "write_evaluations",
     "write_generations",
     "write_problem",
@@ -51,6 +52,28 @@ def parameter_column(name: str, taken: Collection[str] = _TAKEN) -> str:
     return f"parameter.{name}" if name in taken else name
 
 
+def summary_document(problem: Problem, result: CalibrationResult, statistics: Statistics | None) -> dict[str, Any]:
+    """Return what a search has found, JSON-able; values in base units.
+
+    ``objective`` and ``parameters`` are the best of all runs, ``search_best`` those of the search where further runs
+    followed it. ``intervals`` has the 95 % interval of each free parameter or None, ``verdicts`` the kind of its
+    verdict.
+    """
+    return {
+        "state": result.state,
+        "stop_reasons": list(result.stop_reasons),
+        "objective": result.objective,
+        "parameters": result.parameters,
+        "intervals": None if statistics is None else statistics.intervals,
+        "verdicts": None if statistics is None else {one.parameter: one.kind for one in statistics.verdicts},
+        "search_best": _search_best(problem, result),
+        "evaluations": result.evaluations,
+        "generations": result.generations,
+        "seconds": result.seconds,
+        "seed": result.seed,
+    }
+
+
 def result_document(
     problem: Problem,
     result: CalibrationResult,
@@ -59,10 +82,8 @@ def result_document(
 ) -> dict[str, Any]:
     """Return the whole result but its history, JSON-able; values in base units.
 
-    ``objective`` and ``parameters`` are the best of all runs, ``search_best`` those of the search where further runs
-    followed it. ``intervals`` has the 95 % interval of each free parameter or None, ``verdicts`` the kind of its
-    verdict. Where a report polished them, ``polished`` has the parameters that fit better, and how many further runs it
-    took.
+    Beside :func:`summary_document`: where a report polished the best evaluation, ``polished`` has the parameters that
+    fit better, and how many further runs it took.
     ``laboratory`` has the parameters of laboratory tests as Cc, Cs, C_alpha and preconsolidation stress, of the
     polished parameters where there are any.
     """
@@ -74,18 +95,8 @@ def result_document(
         linearisation = statistics.linearisation
     return {
         "name": problem.name,
-        "state": result.state,
-        "stop_reasons": list(result.stop_reasons),
-        "objective": result.objective,
-        "parameters": result.parameters,
-        "intervals": None if statistics is None else statistics.intervals,
-        "verdicts": None if statistics is None else {one.parameter: one.kind for one in statistics.verdicts},
-        "search_best": _search_best(problem, result),
-        "evaluations": result.evaluations,
+        **summary_document(problem, result, statistics),
         "failed_evaluations": result.failed_evaluations,
-        "generations": result.generations,
-        "seconds": result.seconds,
-        "seed": result.seed,
         "error": result.error,
         "answer": None if result.answer is None else result.answer.plan(),
         "versions": dict(versions()),

@@ -24,10 +24,9 @@ from geoswarm.solver.search.descent.steps import Moves, StepSearch
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.space import SearchSpace
 
-__all__ = ["MinimumSearch", "Walk"]
+__all__ = ["LOST_IN_NOISE", "MinimumSearch", "Walk"]
 
 _SMALL_GAIN = 1e-10  # of f: less is not worth a run
-_LOST_IN_NOISE = 1e-3  # of the variance of the noise: a gain of f of that size is a thirtieth of a standard error
 _NEAR = 0.5  # standard errors: derivatives hold at a minimum that is no farther away
 _MOST_TRIALS = 12  # before the derivatives are taken again
 _MOST_FAILED = 4  # trials without a better point, one after the other
@@ -35,6 +34,9 @@ _MOST_ROUNDS = 4  # of derivatives
 _DAMPING = 1e-2  # after the first trial that was no better
 _HALVINGS = 10  # of a step that constraints exclude
 _ROOM = 1e-12  # parts of the range: the least that a bound must leave
+
+LOST_IN_NOISE = 1e-3
+"""Decrease of the objective that is none, in parts of the variance of the noise: a thirtieth of a standard error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +209,7 @@ class MinimumSearch:
             trial = 0.5 * (trial + unit)
         left = residuals + jacobian @ (trial - unit)
         before = float(residuals @ residuals)
-        small = max(_SMALL_GAIN, _LOST_IN_NOISE / spare) if spare > 0 else _SMALL_GAIN
+        small = max(_SMALL_GAIN, LOST_IN_NOISE / spare) if spare > 0 else _SMALL_GAIN
         worth = before - float(left @ left) > small * before and admissible(self._space, trial)
         return trial if worth else None
 
