@@ -61,7 +61,7 @@ def test_a_touched_bound_is_flagged_and_digits_follow_the_interval(embedded: Sit
     page, _ = visit(embedded, "/")
 
     def at_bound(route: Route) -> None:
-        answer = route.fetch()
+        answer = route.fetch(max_retries=2)
         fit = answer.json()
         fit["parameters"][0]["upper"] = embedded.service.get(line).parameters["a"]  # type: ignore[index]
         route.fulfill(response=answer, json=fit)

@@ -153,7 +153,7 @@ def test_a_column_that_has_no_place_in_the_dialog_is_a_fact(
     page, guard = opened(site, visit, f"/jobs/{job_id}")
 
     def with_more(route: Route) -> None:
-        answer = route.fetch()
+        answer = route.fetch(max_retries=2)
         route.fulfill(response=answer, json=answer.json() | {"memory_mb": 12.5, "seen_at": None})
 
     page.route(re.compile(r"/evaluations/0/0$"), with_more)

@@ -37,7 +37,7 @@ def test_a_follow_up_tells_its_cost_and_one_of_hours_is_asked_for(embedded: Site
     opened, _ = visit(embedded, "/")
 
     def costly(route: Route) -> None:
-        answer = route.fetch()
+        answer = route.fetch(max_retries=2)  # the service may close an idle connection just then
         costs = answer.json()
         for item in costs["items"]:
             if item["kind"] == "sobol":
@@ -63,7 +63,7 @@ def test_a_follow_up_that_runs_can_be_cancelled_where_it_is_shown(embedded: Site
     state = "running"
 
     def one(route: Route) -> None:
-        answer = route.fetch()
+        answer = route.fetch(max_retries=2)
         follow_ups = [{"id": "f" * 16, "kind": "sobol", "state": state, "evaluations": 3}]
         route.fulfill(response=answer, json=answer.json() | {"follow_ups": follow_ups})
 
