@@ -207,12 +207,12 @@ class OptimumParameter:
     value: float
     standard_error: Number
     interval: tuple[float, float] | None
-    interval_basis: Literal["linearised", "correlated", "uneven", "profile"] | None = told(
-        "basis of the interval; the two in the middle allow for correlated or uneven residuals"
+    interval_basis: Literal["linearised", "correlated", "uneven", "moved", "profile"] | None = told(
+        "basis of the interval; correlated and uneven: wider for such residuals; moved: by one run at each end"
     )
     widening: Number = told("how many times wider correlated or uneven residuals make the interval by linearisation")
     bending: Number = told("relative distance of an end by likelihood from the linearised one; null if not checked")
-    bent: bool = told("the model is nonlinear within the interval, and no profile has been calculated")
+    bent: bool = told("the model is so nonlinear within the interval that a profile must give it, and none has")
     influence: float
     why_no_interval: str | None
 

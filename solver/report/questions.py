@@ -126,7 +126,7 @@ def sample_of(
     if not _FEWEST_RUNS <= runs <= MOST_RUNS:
         raise StatisticsError(f"runs must be from {_FEWEST_RUNS} to {MOST_RUNS}, got {runs}")
     found, several = known.linearisation, len(known.basins) > 1
-    bent = [name for name in found.names if found.bent(name) or found.basis(name) == "profile"]
+    bent = [name for name in found.names if found.nonlinear(name)]
     remarks: list[str] = []
     if source == "posterior" or (source == "auto" and bent and not several and not found.dependence):
         try:

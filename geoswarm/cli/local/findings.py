@@ -105,9 +105,13 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
             f"Warning: the model is nonlinear within the interval of {' and '.join(bent)}, so it is only approximate; "
             f"'geoswarm profile' calculates the one by likelihood"
         )
-    by_profile = [p for p, row in linearisation["parameters"].items() if row["interval_basis"] == "profile"]
-    if by_profile:
-        note(f"Note: the model is nonlinear there, so the interval of {' and '.join(by_profile)} is by likelihood")
+    by_likelihood = [
+        parameter
+        for parameter, row in linearisation["parameters"].items()
+        if row["interval_basis"] in ("moved", "profile")
+    ]
+    if by_likelihood:
+        note(f"Note: the model is nonlinear there, so the interval of {' and '.join(by_likelihood)} is by likelihood")
     for one in linearisation["dependence"]:
         note(f"Note: {one['sentence']}")
     for parameter, side in linearisation["held"].items():

@@ -170,8 +170,9 @@ def _heads(unit: FloatArray) -> list[int]:
 def exchangeable(calibration: Calibration, optimum: FloatArray) -> tuple[tuple[str, str, FloatArray], ...]:
     """Pairs of free parameters that may stand for each other, and the optimum with their values swapped, shape (d,).
 
-    Their scales agree, their ranges have half of the wider one in common, and the swapped values lie in both; those
-    with the same bounds come first. Whether they can be exchanged, only a run with the swapped values tells.
+    Their scales agree, their ranges have half of the wider one in common, and the swapped values lie in both and
+    satisfy the constraints; those with the same bounds come first. Whether they can be exchanged, only a run with the
+    swapped values tells.
     """
     free, names = calibration.problem.free, calibration.free_names
     low, high = calibration.space.search_lower, calibration.space.search_upper
@@ -183,6 +184,7 @@ def exchangeable(calibration: Calibration, optimum: FloatArray) -> tuple[tuple[s
             swapped = optimum.copy()
             swapped[[i, j]] = optimum[[j, i]]
             inside = all(free[k].lower <= swapped[k] <= free[k].upper for k in (i, j))
+            inside = inside and calibration.space.feasible(swapped)
             if alike and inside and optimum[i] != optimum[j]:
                 same = low[i] == low[j] and high[i] == high[j]
                 found.append((not same, names[i], names[j], swapped))

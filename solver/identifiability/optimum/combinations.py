@@ -117,12 +117,14 @@ def find_directions(names: tuple[str, ...], weighted: FloatArray, errors: FloatA
     basis = np.empty((len(weighted), 0))
     if index.size:
         left, singular, right = np.linalg.svd(weighted[:, index] / lengths[index], full_matrices=False)
-        is_open = singular <= max(_EXACT, 3.0 * derivative_error) * singular[0]
+        # Along a direction that changes nothing, the derivatives show no more than their own errors.
+        doubt = 3.0 * np.linalg.norm(relative[index] * right, axis=1)
+        is_open = singular <= np.maximum(_EXACT * singular[0], doubt)
         basis = left[:, ~is_open]
-        for value, direction, opened in zip(singular, right, is_open, strict=True):
+        for value, direction, opened, most in zip(singular, right, is_open, doubt, strict=True):
             components = _components([names[i] for i in index], direction, lengths[index], bool(opened))
             move = direction / lengths[index]
-            largest = float(value) + 3.0 * float(np.linalg.norm(relative[index] * direction))
+            largest = float(value) + float(most)
             change = largest / float(np.abs(move).max())
             found.append(
                 Combination(float(value), components, bool(opened), change, bool(largest <= _ZERO * singular[0]))

@@ -13,20 +13,23 @@ from geoswarm.solver.identifiability.optimum.combinations import Combination
 from geoswarm.solver.identifiability.residuals.dependence import Dependence
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 
-__all__ = ["BENDS", "IntervalBasis", "LinearModel", "Linearisation"]
+__all__ = ["BENDS", "CORRECTED", "IntervalBasis", "LinearModel", "Linearisation"]
 
-IntervalBasis: TypeAlias = Literal["linearised", "correlated", "uneven", "profile"]
+IntervalBasis: TypeAlias = Literal["linearised", "correlated", "uneven", "moved", "profile"]
 """What an interval rests on: the usual covariance, or with an allowance for correlated residuals or such of uneven
-size, or the profile objective."""
+size; ends moved as one run at each shows; or the profile objective."""
 
 BENDS = 0.1
 """Part by which an end of an interval by likelihood differs from the linearised one where a model is nonlinear."""
+CORRECTED = 0.2
+"""The largest such part for which one run at each end of the linearised interval is enough to move it."""
 
 _FAR, _MISPLACED = 0.2, 1.0  # standard errors
 _BASES: dict[IntervalBasis, str] = {
     "linearised": "",
     "correlated": "widened for correlated residuals",
     "uneven": "widened for residuals of uneven size",
+    "moved": "by likelihood from one run at each end",
     "profile": "by likelihood",
 }
 
@@ -201,9 +204,13 @@ class Linearisation:
         return self.bases[self.names.index(name)]
 
     def bent(self, name: str) -> bool:
-        """Whether the model is nonlinear within its interval, which is by linearisation all the same."""
+        """Whether the model is so nonlinear within its interval by linearisation that a profile must give it."""
         index = self.names.index(name)
-        return not self.to_rounding and self.bases[index] != "profile" and bool(self.bending[index] > BENDS)
+        return not self.to_rounding and self.bases[index] != "profile" and bool(self.bending[index] > CORRECTED)
+
+    def nonlinear(self, name: str) -> bool:
+        """Whether its interval by linearisation does not hold, whatever it rests on now."""
+        return self.bent(name) or self.basis(name) in ("moved", "profile")
 
     def bending_of(self, name: str) -> float:
         """How far an end of its interval by likelihood lies from the linearised one, relatively; nan if unknown."""
@@ -224,7 +231,8 @@ class Linearisation:
     def interval_in_words(self, name: str) -> str:
         """Which interval it has: "its 95% interval by linearisation"."""
         looked = bool(np.isfinite(self.bending_of(name)))
-        how = {"linearised": " at the optimum" if looked else " by linearisation", "profile": " by likelihood"}
+        how = {"linearised": " at the optimum" if looked else " by linearisation"}
+        how |= {"moved": " by likelihood", "profile": " by likelihood"}
         words = f"its {self.level:.0%} interval{how.get(self.basis(name), f', {self.basis_in_words(name)},')}"
         untold = self.noise is not None and self.noise.origin == "known" and self.degrees_of_freedom < 1
         return f"{words.rstrip(',')}, if the stated error holds," if untold else words

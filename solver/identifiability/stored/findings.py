@@ -359,8 +359,8 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
     notes = dict.fromkeys(note for part in parts for note in part.notes)
     linearisation = with_optimum.linearisation
     if linearisation is not None:
-        bent = [profile for name, profile in profiles.items() if linearisation.bent(name)]
-        linearisation = with_profiles(linearisation, bent)
+        wanted = [profile for name, profile in profiles.items() if linearisation.nonlinear(name)]
+        linearisation = with_profiles(linearisation, wanted)
     return Findings(
         linearisation,
         with_optimum.objective,

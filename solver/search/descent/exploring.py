@@ -17,6 +17,7 @@ __all__ = ["ExploreSearch"]
 
 _APART = 0.1  # parts of the range to the nearest better point: a basin of its own
 _AT_OPTIMUM = 0.01  # parts of the range
+_LEADS_BACK = 0.2  # of the way to the known optimum, by the curvature: what the step to the minimum may miss it by
 _AT_ONCE = 3  # descents
 _LONGEST = 40  # iterations
 
@@ -24,7 +25,8 @@ _LONGEST = 40  # iterations
 class ExploreSearch:
     """Points first; then descents from those without a better one nearby (nearest-better clustering).
 
-    A descent ends where it comes to the known optimum, or promises to stay above it.
+    A descent ends where it comes to the known optimum, where the next step would lead there, or where it promises to
+    stay above it.
 
     Parameters
     ----------
@@ -95,8 +97,13 @@ class ExploreSearch:
         return [int(point) for point, far in zip(order, apart, strict=True) if far]
 
     def _back(self, descent: Refinement) -> bool:
-        """Whether a descent has come to the known optimum."""
-        return float(np.abs(descent.current - self._space.to_unit(self._optimum)).max()) <= _AT_OPTIMUM
+        """Whether a descent has come to the known optimum, or the step of Gauss and Newton leads there."""
+        away, curvature = self._space.to_unit(self._optimum) - descent.current, descent.curvature
+        if float(np.abs(away).max()) <= _AT_OPTIMUM:
+            return True
+        missed = away + np.linalg.pinv(curvature, hermitian=True) @ descent.gradient
+        length = float(away @ curvature @ away)
+        return length > 0.0 and float(missed @ curvature @ missed) <= _LEADS_BACK**2 * length
 
     def _fill(self, runs: Runs) -> None:
         """Keep so many descents going as the runs left allow."""

@@ -78,6 +78,8 @@ class Refinement:
         of the way down to it is left.
     promise
         Largest decrease of f that a step from the current point promised with long differences, relative to f.
+    tried
+        The run at the last trial point; None in a state that an earlier version wrote, which went down alone.
     """
 
     stage: Literal["begin", "check", "trial", "slopes"]
@@ -100,6 +102,7 @@ class Refinement:
     outcome: Outcome = ""
     known: float | None = None
     promise: float = 0.0
+    tried: int | None = None
 
     @classmethod
     def begin(cls, space: SearchSpace, runs: Runs, row: int, known: float | None = None) -> Refinement:
@@ -239,6 +242,7 @@ class Refinement:
             damping=max(self.damping * factor, _LEAST_DAMPING),
             linear_rows=rows,
             linear_moves=tuple(length for _, length in self.moves),
+            tried=first,
         )
         return after._slopes(space, both=self.fine or objective > self.objective * (1.0 - _CENTRAL_FROM))
 
@@ -258,10 +262,10 @@ class Refinement:
         return replace(after, outcome="long") if after.iterations >= longest else after._next(space)
 
     def _goal_row(self, first: int) -> int:
-        """The run at the goal: the trial just before its slopes, or the current point when they are taken anew."""
+        """The run at the goal: the trial before its slopes, or the current point when they are taken anew."""
         if np.array_equal(self.goal, self.current):
             return self.row
-        return first - 1
+        return first - 1 if self.tried is None else self.tried
 
     def _shorter(self, space: SearchSpace) -> Refinement:
         """A trial was no better: lost in rounding, or damp more."""

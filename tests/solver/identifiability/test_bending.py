@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, least_squares
 from scipy.stats import t
 
 from geoswarm.solver.arrays import FloatArray
@@ -62,6 +66,104 @@ def test_the_interval_by_likelihood_is_that_of_the_sum_of_squares() -> None:
     assert by_likelihood.unit_width("k") == pytest.approx(np.ptp(expected) / 19.99, rel=0.02)
     # how much the model is nonlinear was told from one run at each end
     assert by_likelihood.bending_of("k") == pytest.approx(apart, rel=0.5)
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.03])
+def test_a_slightly_bent_interval_is_moved_by_its_two_runs(noise: float) -> None:
+    """Exact ends: y = exp(-k x) + c, c by linear regression at each k, from the formula alone."""
+    moved = 0
+    for seed in range(8):
+        y = np.exp(-0.7 * X) + 0.1 + noise * np.random.default_rng(seed).standard_normal(X.size)
+        problem = problem_of(f"{DECAY} + c", {"k": free(0.01, 20.0), "c": free(-2.0, 2.0)}, y, X)
+        calibration, found = linearised(problem, [0.7, 0.1])
+        by_likelihood = likelihood_intervals(calibration, found)
+        if by_likelihood.bases[0] != "moved":
+            continue
+        moved += 1
+        assert 0.1 < by_likelihood.bending_of("k") <= 0.2
+        assert not by_likelihood.bent("k")
+        expected = regressed_interval(y, float(found.optimum[0]))
+        np.testing.assert_allclose(by_likelihood.intervals[0], expected, atol=0.1 * np.ptp(expected) / 2.0)
+        apart = np.abs(by_likelihood.intervals[0] - expected).max()
+        assert apart < 0.5 * np.abs(found.intervals[0] - expected).max()
+        assert by_likelihood.interval_in_words("k") == "its 95% interval by likelihood"
+        assert by_likelihood.to_json()["parameters"]["k"]["interval_basis"] == "moved"
+        assert by_likelihood.unit_width("k") == pytest.approx(np.ptp(by_likelihood.intervals[0]) / 19.99)
+    assert moved >= 2
+
+
+def regressed_interval(y: FloatArray, best: float) -> FloatArray:
+    def squares(k: float) -> float:
+        left = y - np.exp(-k * X)
+        return float(np.sum((left - left.mean()) ** 2))
+
+    limit = squares(best) * (1.0 + float(t.ppf(0.975, 10)) ** 2 / 10)
+    return np.array([brentq(lambda k: squares(k) - limit, *ends) for ends in ((0.01, best), (best, 20.0))])
+
+
+FORMULAS: list[tuple[str, dict[str, tuple[float, float, float]]]] = [
+    ("a * exp(-k * x)", {"a": (0.01, 10.0, 1.0), "k": (0.01, 20.0, 0.7)}),
+    ("a * x / (b + x)", {"a": (0.01, 20.0, 1.0), "b": (0.01, 20.0, 1.0)}),
+    ("a * (1 - exp(-b * x))", {"a": (0.01, 20.0, 1.0), "b": (0.01, 20.0, 0.6)}),
+    ("a * (x + 0.1)**b + c", {"a": (0.01, 10.0, 1.0), "b": (0.1, 4.0, 0.6), "c": (-3.0, 3.0, 0.2)}),
+    ("a * cos(w * x + p)", {"a": (0.1, 5.0, 1.0), "w": (0.5, 4.0, 1.5), "p": (-2.0, 2.0, 0.3)}),
+    ("a * x + 10 * (b - a**2) * exp(-x)", {"a": (-3.0, 3.0, 1.0), "b": (-3.0, 3.0, 1.0)}),
+]
+
+
+@pytest.mark.slow
+def test_moved_ends_are_near_those_of_profiles() -> None:
+    """Profiles by SciPy from the formula; misses in parts of the exact length on that side."""
+    names = {"exp": np.exp, "cos": np.cos, "x": X}
+    misses, unmoved = [], []
+    for (formula, ranges), noise, seed in itertools.product(FORMULAS, (0.02, 0.05, 0.1), range(10)):
+        curve = compile(formula, "formula", "eval")
+        truth = {name: value for name, (_, _, value) in ranges.items()}
+        errors = noise * np.random.default_rng(seed).standard_normal(X.size)
+        y = eval(curve, names | truth) + errors  # noqa: S307  a formula of this file
+        free_parameters = {name: free(low, high) for name, (low, high, _) in ranges.items()}
+        calibration, found = linearised(problem_of(formula, free_parameters, y, X), [*truth.values()])
+        by_likelihood = likelihood_intervals(calibration, found)
+
+        def residuals(values: FloatArray, curve: Any = curve, y: FloatArray = y, ranges: Any = ranges) -> FloatArray:
+            return np.asarray(eval(curve, names | dict(zip(ranges, values, strict=True))) - y)  # noqa: S307
+
+        lowest = float(np.sum(residuals(found.optimum) ** 2))
+        free_readings = X.size - len(ranges)
+        limit = lowest * (1.0 + float(t.ppf(0.975, free_readings)) ** 2 / free_readings)
+        for index, name in enumerate(ranges):
+            if by_likelihood.basis(name) != "moved" or found.dependence:
+                continue
+            for end, before in zip(by_likelihood.intervals[index], found.intervals[index], strict=True):
+                bounds = np.array([(low, high) for low, high, _ in ranges.values()])
+                exact = profile_end(residuals, found.optimum, index, float(before), limit, bounds)
+                misses.append(abs(end - exact) / abs(exact - found.optimum[index]))
+                unmoved.append(abs(before - exact) / abs(exact - found.optimum[index]))
+    assert len(misses) > 50
+    assert np.quantile(misses, 0.9) < 0.1
+    assert np.median(misses) < 0.5 * np.median(unmoved)
+
+
+def profile_end(
+    residuals: Callable[[FloatArray], FloatArray],
+    optimum: FloatArray,
+    index: int,
+    near: float,
+    limit: float,
+    bounds: FloatArray,
+) -> float:
+    """Where the sum of squares, the other parameters fitted, reaches the limit."""
+
+    def above(value: float) -> float:
+        def of_others(others: FloatArray) -> FloatArray:
+            return residuals(np.insert(others, index, value))
+
+        inside = np.delete(bounds, index, axis=0).T
+        return 2.0 * float(least_squares(of_others, np.delete(optimum, index), bounds=inside).cost) - limit
+
+    centre = float(optimum[index])
+    far = float(np.clip(centre + 2.5 * (near - centre), *bounds[index]))
+    return float(brentq(above, centre, far, rtol=1e-8))
 
 
 def test_a_line_keeps_its_linearised_interval() -> None:

@@ -29,6 +29,16 @@ def test_exchange_of_two_rates_is_told(seed: int) -> None:
     assert any("a and b can be exchanged" in warning for warning in statistics.warnings)
 
 
+def test_a_constraint_that_excludes_an_exchange_decides_it() -> None:
+    y = np.exp(-0.3 * X) + np.exp(-2.0 * X) + NOISE
+    rates = {"a": free(0.05, 5.0), "b": free(0.05, 5.0)}
+    problem = problem_of("exp(-a * x) + exp(-b * x)", rates, y, constraints=["a < b"])
+    statistics = report_of_result(problem, calibrate(problem, seed=1)).statistics
+    assert statistics is not None
+    assert {verdict.kind for verdict in statistics.verdicts} == {"identified"}
+    assert not any("exchanged" in warning for warning in statistics.warnings)
+
+
 def test_equal_bounds_alone_are_no_exchange() -> None:
     y = 2.0 * X + 5.0 + NOISE
     problem = problem_of("a * x + b", {"a": free(), "b": free()}, y)

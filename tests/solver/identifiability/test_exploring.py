@@ -12,7 +12,7 @@ from geoswarm.solver.identifiability.optimum.hidden import Unseen
 from geoswarm.solver.identifiability.stored.exploring import explore_problem
 from geoswarm.solver.identifiability.stored.findings import Findings, findings_of
 from geoswarm.solver.identifiability.stored.follow_ups import same_question
-from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.runlog import RunLog
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
@@ -87,6 +87,22 @@ def test_an_exploration_goes_on_from_a_snapshot_bit_for_bit() -> None:
     search.tell(np.array([one.objective for one in made]), runs)
     again = method.search(calibration.space, search.snapshot())  # type: ignore[attr-defined]  # of a follow-up
     np.testing.assert_array_equal(search.ask(), again.ask())
+
+
+def test_descents_side_by_side_go_as_each_goes_alone() -> None:
+    y = np.exp(-0.5 * X) * np.cos(2.0 * X) + NOISE
+    problem = problem_of("exp(-a * x) * cos(b * x)", {"a": free(0.01, 3.0), "b": free(0.1, 9.0)}, y)
+    starts = [(1.0, 4.0), (2.0, 6.5), (0.3, 8.5)]
+
+    def places(points: list[tuple[float, float]]) -> set[tuple[float, ...]]:
+        listed = {"a": [a for a, _ in points], "b": [b for _, b in points]}
+        method = {"kind": "explore", "at": {"a": 0.5, "b": 2.0}, "points": listed, "runs": 1000}
+        result = calibrate(parse_problem(problem.document() | {"method": method, "stopping": {}}), seed=1)
+        return {tuple(record.evaluation.parameters.tolist()) for record in result.history}
+
+    alone = [places([start]) for start in starts]
+    assert min(map(len, alone)) > 10  # each goes some way
+    assert places(starts) == set().union(*alone)
 
 
 def test_one_run_is_enough_and_none_is_refused() -> None:

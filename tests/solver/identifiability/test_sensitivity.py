@@ -18,6 +18,7 @@ from geoswarm.solver.identifiability import (
     from_evaluations,
     linearise,
 )
+from geoswarm.solver.identifiability.optimum.combinations import find_directions
 from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
 from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
@@ -47,6 +48,20 @@ def test_a_parameter_without_influence_is_named() -> None:
     assert found.influence("e") == 0.0
     assert found.interval("e") is None
     assert found.interval("a") is not None
+
+
+def test_an_uncertain_derivative_leaves_the_other_parameters_alone() -> None:
+    random = np.random.default_rng(3)
+    weighted = np.column_stack([random.standard_normal(60) for _ in range(3)])
+    weighted[:, 2] = weighted[:, 1] + 0.2 * weighted[:, 2]  # hard to tell apart, but possible
+    errors = weighted * np.array([0.15, 1e-3, 1e-3])
+    found = find_directions(("rough", "b", "c"), weighted, errors, np.ones(60))
+    assert found.determined.all()
+    assert found.derivative_error == pytest.approx(0.15)
+    # as uncertain as the rough one, the two cannot be told apart any more
+    found = find_directions(("rough", "b", "c"), weighted, weighted * 0.15, np.ones(60))
+    assert found.determined.tolist() == [True, False, False]
+    assert found.unclear(("rough", "b", "c"), 1e-3) == ("b", "c")
 
 
 def test_an_interval_wider_than_the_range_is_none() -> None:

@@ -7,7 +7,7 @@ import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
 import { ENDED, OPEN } from "../states.js";
 
-const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened for correlated residuals", uneven: " (widened for uneven residuals", profile: " (by likelihood)" };
+const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened for correlated residuals", uneven: " (widened for uneven residuals", moved: " (by likelihood from one run at each end)", profile: " (by likelihood)" };
 const widened = ({ bent, interval_basis: basis, widening }) => bent || !["correlated", "uneven"].includes(basis) ? "" : widening ? ` by a factor of ${number(widening, 2)})` : ")";
 const AGAIN_SECONDS = 2;
 
