@@ -7,6 +7,7 @@ import pytest
 from pydantic import SecretStr
 
 from geoswarm.api import ApiError, ApiSettings
+from geoswarm.api.access import authentication
 from geoswarm.api.access.authentication import FAILURE_BURST, SIGN_IN_BURST
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.service.job_service import JobService
@@ -14,6 +15,13 @@ from tests.api.conftest import API, App, live_server
 from tests.integration.engines import PATIENCE
 
 STATIC = "the-key-of-the-operator"
+
+
+@pytest.fixture(autouse=True)
+def no_refill(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However long a test takes on a busy machine, no further attempts are granted meanwhile."""
+    monkeypatch.setattr(authentication, "FAILURES_PER_SECOND", 1e-6)
+    monkeypatch.setattr(authentication, "SIGN_INS_PER_SECOND", 1e-6)
 
 
 def status(app: App, key: str) -> int:
