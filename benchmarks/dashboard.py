@@ -216,7 +216,8 @@ async def watch(url: str, job: str, seconds: float) -> int:
 
 def many(url: str, process: int, seconds: float) -> list[Measured]:
     """Measure what many dashboards on a running job cost the service, beyond what the job itself does."""
-    document = problem(stopping={"max_evaluations": 4_000_000}, method={"kind": "particle_swarm", "particles": 200})
+    endless = {"stopping": {"max_evaluations": 4_000_000}, "answer": {"max_evaluations": "off"}}
+    document = problem(method={"kind": "particle_swarm", "particles": 200}, **endless)
     job = submitted(url, document)
     while httpx.get(f"{url}/api/v1/jobs/{job}").json()["state"] != "running":
         time.sleep(0.2)

@@ -60,6 +60,7 @@ def slow_problem(behaviour: str) -> dict[str, Any]:
         "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [0, 0.5, 1]}}],
         "method": {"kind": "particle_swarm", "particles": PARTICLES, "acceleration": "none"},
         "stopping": {"max_evaluations": PARTICLES * GENERATIONS},
+        "answer": {"max_evaluations": "off"},
         "seed": 3,
     }
 
@@ -68,7 +69,7 @@ def oedometer() -> dict[str, Any]:
     """The published problem with its published number of runs."""
     document = load_problem(OEDOMETER).document() | {"stopping": {"max_evaluations": 1590}}
     document["method"] = {"kind": "particle_swarm", "particles": 10, "acceleration": "none"}
-    return document
+    return document | {"answer": {"max_evaluations": "off"}}
 
 
 def monte_carlo(samples: int) -> dict[str, Any]:

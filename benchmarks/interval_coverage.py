@@ -90,6 +90,7 @@ class Case:
                 },
                 "observations": [observed],
                 "method": SWARM,
+                "answer": {"max_evaluations": "off"},
                 "stopping": {"max_evaluations": 300},
             }
         )

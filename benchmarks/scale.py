@@ -75,6 +75,7 @@ def problem(particles: int) -> dict[str, Any]:
         "observations": [{"series": "y", "points": {"x": x, "y": x}}],
         "method": {"kind": "particle_swarm", "particles": particles, "acceleration": "none"},
         "stopping": {"max_evaluations": 10**7},
+        "answer": {"max_evaluations": "off"},
         "seed": 7,
     }
 
