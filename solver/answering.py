@@ -30,6 +30,7 @@ from geoswarm.solver.search.descent.minimum import LOST_IN_NOISE, MinimumSearch
 __all__ = ["begin_answer", "go_on_answering"]
 
 _MOST_MINIMA = 4  # that sensitivities are calculated at
+_MOST_EXPLORATIONS = 4  # around one minimum, of twelve places or more each
 _BETTER = 1e-9  # relative decrease of the objective
 
 
@@ -168,7 +169,7 @@ def _further(calibration: Calibration, progress: Progress, runs: Runs) -> Iterat
         return
     last = max(place for place, method in enumerate(methods) if isinstance(method, SensitivityMethod))
     since = methods[last + 1 :]
-    if not any(isinstance(method, ExploreMethod) for method in since):
+    if sum(isinstance(method, ExploreMethod) for method in since) < _MOST_EXPLORATIONS:
         points = _elsewhere(calibration, answer, findings, runs)[:room]
         if points:
             listed = dict(zip(calibration.free_names, np.array(points).T.tolist(), strict=True))

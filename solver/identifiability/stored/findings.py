@@ -76,8 +76,9 @@ class Findings:
         Calculated values there, by series, base units; empty without a linearisation.
     fit
         Whether the model describes the data; None where nothing was evaluated at an optimum.
-    explored
-        Parameters, natural values, and objectives of successful runs that looked for further basins.
+    explored, left
+        Parameters, natural values, and objectives of successful runs that looked for further basins; ``left``: of
+        descents that did not end.
     predictions
         Bands of other problems.
     designs
@@ -93,6 +94,7 @@ class Findings:
     responses: Mapping[str, FloatArray] = field(default_factory=dict)
     fit: FitVerdict | None = None
     explored: tuple[tuple[FloatArray, float], ...] = ()
+    left: tuple[tuple[FloatArray, float], ...] = ()
     predictions: tuple[Prediction, ...] = ()
     designs: tuple[Design, ...] = ()
 
@@ -105,7 +107,7 @@ class Findings:
             "start_objective": self.start_objective,
             "profiles": [profile.to_json() for profile in self.profiles],
             "global_sensitivities": [found.to_json() for found in self.global_sensitivities],
-            "explored": len(self.explored),
+            "explored": len(self.explored) + len(self.left),
             "predictions": [prediction.to_json() for prediction in self.predictions],
             "designs": [design.to_json() for design in self.designs],
             "notes": list(self.notes),
@@ -289,13 +291,26 @@ def _profiles(
 
 @examine.register
 def _explored(
-    method: ExploreMethod,  # noqa: ARG001  the form of all
-    calibration: Calibration,  # noqa: ARG001  the form of all
+    method: ExploreMethod,
+    calibration: Calibration,
     evaluations: Sequence[Evaluation],
     noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
     level: float,  # noqa: ARG001  the form of all
 ) -> Findings:
-    return Findings(explored=tuple((e.parameters, e.objective) for e in evaluations if e.objective is not None))
+    search, told = method.search(calibration.space), 0
+    positions = np.array([one.parameters for one in evaluations])
+    rows = residual_rows(calibration, evaluations)
+    while (due := search.ask()) is not None and told + len(due) <= len(evaluations):
+        told += len(due)
+        runs = Runs.of(positions[:told], rows[:told])
+        search.tell(runs.objectives[-len(due) :], runs)
+    unended = set(search.left)
+    made = [
+        (row in unended, (e.parameters, e.objective)) for row, e in enumerate(evaluations) if e.objective is not None
+    ]
+    return Findings(
+        explored=tuple(run for is_left, run in made if not is_left), left=tuple(run for is_left, run in made if is_left)
+    )
 
 
 @examine.register
@@ -371,6 +386,7 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         with_optimum.responses,
         with_optimum.fit or next((part.fit for part in parts if part.fit is not None), None),
         tuple(run for part in parts for run in part.explored),
+        tuple(run for part in parts for run in part.left),
         tuple(predictions.values()),
         designs,
     )

@@ -210,6 +210,7 @@ def analyse(
     linearisation: Linearisation | None = None,
     at_optimum: Mapping[str, FloatArray] | None = None,
     elsewhere: Sequence[tuple[FloatArray, float]] = (),
+    left: Sequence[tuple[FloatArray, float]] = (),
     looked: Sequence[FloatArray] = (),
     bins: int = 30,
 ) -> Statistics:
@@ -228,6 +229,8 @@ def analyse(
         Responses at a polished optimum, whose residuals are examined in place of those of the best sample.
     elsewhere
         Parameters, natural values, and objectives of minima in other basins, beyond the samples.
+    left
+        The same of runs of descents that did not end. They may fit as well, but do not show that a basin is none.
     looked
         Where the descents to them began, natural values.
     bins
@@ -268,16 +271,17 @@ def analyse(
     if linearisation is not None and not linearisation.misplaced:
         lowest = _objective_at(calibration, samples, at_optimum)
         equal = equivalent_objective(calibration, lowest, known)
-        others = other_fits(samples, linearisation, equal, lowest, elsewhere)
+        every = (*elsewhere, *left)
+        others = other_fits(samples, linearisation, equal, lowest, every)
         unseen = Unseen.of(samples, linearisation, lowest, elsewhere)
         found = [samples.to_unit(place) for place in (*looked, *(other.parameters for other in others))]
-        left = unseen.unfinished(equal - lowest, found)
+        unfinished = unseen.unfinished(equal - lowest, found)
         basins = Basins(
             others,
-            exchanges(calibration, samples, linearisation, lowest, elsewhere),
-            hidden_share(calibration.space, unseen, left),
-            fits_at(samples, linearisation, equal, lowest, unseen.places_of(calibration.space, left)),
-            untried_exchanges(calibration, samples, linearisation, elsewhere),
+            exchanges(calibration, samples, linearisation, lowest, every),
+            hidden_share(calibration.space, unseen, unfinished),
+            fits_at(samples, linearisation, equal, lowest, unseen.places_of(calibration.space, unfinished)),
+            untried_exchanges(calibration, samples, linearisation, every),
         )
         warnings[:0] = [_other_fit(samples, other, lowest, equal) for other in basins.others]
         warnings[:0] = [EXCHANGE.format(first=first, second=second) for first, second in basins.exchanges]

@@ -109,6 +109,7 @@ class Report:
                 linearisation=found if optimum is None else optimum.linearisation,
                 at_optimum=uncertainty.findings.responses if optimum is None else optimum.polished.evaluation.responses,
                 elsewhere=(*(() if optimum is None else optimum.elsewhere), *uncertainty.findings.explored),
+                left=uncertainty.findings.left,
                 looked=() if optimum is None else optimum.looked,
             )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,14 @@ _AT_OPTIMUM = 0.01  # parts of the range
 _LEADS_BACK = 0.2  # of the way to the known optimum, by the curvature: what the step to the minimum may miss it by
 _AT_ONCE = 3  # descents
 _LONGEST = 40  # iterations
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """A descent that goes on, and the indices of its runs."""
+
+    descent: Refinement
+    rows: tuple[int, ...] = ()
 
 
 class ExploreSearch:
@@ -54,17 +62,19 @@ class ExploreSearch:
         self.generation = 0
         self._spent = 0
         self._waiting: list[int] = []
-        self._descents: list[Refinement] = []
+        self._ways: list[_Way] = []
+        self._left: list[int] = []
         if snapshot is not None:
             self.generation, self._spent = snapshot["generation"], snapshot["spent"]
-            self._waiting = list(snapshot["waiting"])
-            self._descents = [Refinement.from_json(descent) for descent in snapshot["descents"]]
+            self._waiting, self._left = list(snapshot["waiting"]), list(snapshot["left"])
+            descents = map(Refinement.from_json, snapshot["descents"])
+            self._ways = [_Way(one, tuple(rows)) for one, rows in zip(descents, snapshot["rows"], strict=True)]
 
     def ask(self) -> FloatArray | None:
         """Positions of the current generation; None when all descents have ended, or the runs are spent."""
         if self.generation == 0:
             return self._points
-        parts = [descent.asked for descent in self._descents]
+        parts = [way.descent.asked for way in self._ways]
         return self._space.from_unit(np.concatenate(parts)) if parts else None
 
     def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
@@ -78,13 +88,14 @@ class ExploreSearch:
                 self._waiting = [first + point for point in self._starts(objectives)]
             else:
                 going = []
-                for descent in self._descents:
-                    first += len(descent.asked)
+                for way in self._ways:
+                    rows = range(first, first + len(way.descent.asked))
+                    first = rows.stop
                     so_far = replace(runs, positions=runs.positions[:first], objectives=runs.objectives[:first])
-                    after = descent.advance(self._space, so_far, _LONGEST)
+                    after = way.descent.advance(self._space, so_far, _LONGEST)
                     if not after.finished and not self._back(after):
-                        going.append(after)
-                self._descents = going
+                        going.append(_Way(after, (*way.rows, *rows)))
+                self._ways = going
             self._fill(runs)
         self.generation += 1
 
@@ -107,12 +118,17 @@ class ExploreSearch:
 
     def _fill(self, runs: Runs) -> None:
         """Keep so many descents going as the runs left allow."""
-        while self._waiting and len(self._descents) < _AT_ONCE:
+        while self._waiting and len(self._ways) < _AT_ONCE:
             begun = Refinement.begin(self._space, runs, self._waiting.pop(0), self._known)
             if not begun.finished:
-                self._descents.append(begun)
-        while sum(len(descent.asked) for descent in self._descents) > self._runs - self._spent:
-            self._descents.pop()
+                self._ways.append(_Way(begun))
+        while sum(len(way.descent.asked) for way in self._ways) > self._runs - self._spent:
+            self._left += self._ways.pop().rows
+
+    @property
+    def left(self) -> list[int]:
+        """Indices of the runs of descents that have not ended: where these would have led is not known."""
+        return [*self._left, *(row for way in self._ways for row in way.rows)]
 
     def snapshot(self) -> Snapshot:
         """State between two generations, JSON-able."""
@@ -120,5 +136,7 @@ class ExploreSearch:
             "generation": self.generation,
             "spent": self._spent,
             "waiting": self._waiting,
-            "descents": [descent.to_json() for descent in self._descents],
+            "descents": [way.descent.to_json() for way in self._ways],
+            "rows": [list(way.rows) for way in self._ways],
+            "left": self._left,
         }
