@@ -189,3 +189,21 @@ def test_examples_are_decided_within_the_bound(name: str) -> None:
     assert report.statistics is not None
     assert {verdict.kind for verdict in report.statistics.verdicts} == {"identified"}
     assert 0 < after(result) <= 200
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["oedometer", "isotropic_compression", "triaxial", "combined"])
+def test_examples_are_decided_with_any_seed(name: str) -> None:
+    with example_file(name) as path:
+        problem = load_problem(path)
+    decided, intervals = 0, []
+    for seed in range(1, 11):
+        result = calibrate(problem, seed=seed)
+        statistics = report_of_result(problem, result).statistics
+        assert statistics is not None
+        assert statistics.linearisation is not None
+        decided += all(verdict.kind == "identified" for verdict in statistics.verdicts)
+        intervals.append(statistics.linearisation.intervals)
+    assert decided >= 8
+    lower, upper = np.median(intervals, axis=0).T
+    np.testing.assert_array_less(np.abs(intervals - np.median(intervals, axis=0)), 0.25 * (upper - lower)[:, None])

@@ -170,9 +170,9 @@ def _heads(unit: FloatArray) -> list[int]:
 def exchangeable(calibration: Calibration, optimum: FloatArray) -> tuple[tuple[str, str, FloatArray], ...]:
     """Pairs of free parameters that may stand for each other, and the optimum with their values swapped, shape (d,).
 
-    Their scales agree, their ranges have half of the wider one in common, and the swapped values lie in both and
-    satisfy the constraints; those with the same bounds come first. Whether they can be exchanged, only a run with the
-    swapped values tells.
+    Their scales agree, both or neither take whole numbers, their ranges have half of the wider one in common, and the
+    swapped values lie in both and satisfy the constraints; those with the same bounds come first. Whether they can be
+    exchanged, only a run with the swapped values tells.
     """
     free, names = calibration.problem.free, calibration.free_names
     low, high = calibration.space.search_lower, calibration.space.search_upper
@@ -180,7 +180,8 @@ def exchangeable(calibration: Calibration, optimum: FloatArray) -> tuple[tuple[s
     for i, one in enumerate(free):
         for j in range(i + 1, len(free)):
             common = min(high[i], high[j]) - max(low[i], low[j])
-            alike = one.scale == free[j].scale and common >= _COMMON * max(high[i] - low[i], high[j] - low[j])
+            alike = one.scale == free[j].scale and one.integer == free[j].integer
+            alike = alike and common >= _COMMON * max(high[i] - low[i], high[j] - low[j])
             swapped = optimum.copy()
             swapped[[i, j]] = optimum[[j, i]]
             inside = all(free[k].lower <= swapped[k] <= free[k].upper for k in (i, j))

@@ -9,7 +9,7 @@ from scipy.stats import chi2, f
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.identifiability.noise import problem_noise
-from geoswarm.solver.identifiability.optimum.basins import equivalent_objective
+from geoswarm.solver.identifiability.optimum.basins import equivalent_objective, exchangeable
 from geoswarm.solver.identifiability.optimum.hidden import Unseen, hidden_share
 from geoswarm.solver.report.document.build import report_of_result
 from geoswarm.solver.runs.local import calibrate
@@ -37,6 +37,13 @@ def test_a_constraint_that_excludes_an_exchange_decides_it() -> None:
     assert statistics is not None
     assert {verdict.kind for verdict in statistics.verdicts} == {"identified"}
     assert not any("exchanged" in warning for warning in statistics.warnings)
+
+
+def test_whole_numbers_are_exchanged_with_whole_numbers_alone() -> None:
+    n = {"lower": 1, "upper": 9, "integer": True}
+    problem = problem_of("a * x + n + k", {"a": free(1.0, 9.0), "n": n, "k": n | {"upper": 8}}, 2.5 * X + 7.0)
+    pairs = [pair for *pair, _ in exchangeable(Calibration(problem, 1), np.array([2.5, 3.0, 4.0]))]
+    assert pairs == [["n", "k"]]
 
 
 def test_equal_bounds_alone_are_no_exchange() -> None:

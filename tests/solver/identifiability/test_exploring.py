@@ -50,7 +50,9 @@ def test_the_missed_basin_is_found_and_named() -> None:
     for linearisation in (found, None):  # with and without the width of a basin
         findings = explored(problem, explore_problem(problem, samples, linearisation, seed=3, runs=60))
         assert 0 < len(findings.explored) <= 60
-        after = analyse(Calibration(problem, 1), samples, linearisation=found, elsewhere=findings.explored)
+        after = analyse(
+            Calibration(problem, 1), samples, linearisation=found, elsewhere=findings.explored, left=findings.left
+        )
         assert after.verdict("a").kind == "not_identified"
         assert "the data allow both" in after.verdict("a").sentence
         assert "4.3" in after.verdict("a").sentence

@@ -13,7 +13,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import Samples, Statistics, Verdict, analyse, from_evaluations
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.polish import polish
-from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.build import linearise_stored, report_of_result
 from geoswarm.solver.runs.local import calibrate
@@ -103,6 +103,20 @@ def judge_seed(name: str, seed: int, method: dict[str, Any] | None = None) -> tu
 def test_no_confident_wrong_word(name: str) -> None:
     """After the textbook swarm, which leaves basins unfinished, as it costs nothing beside the runs."""
     assert [words for seed in range(3) for words in judge_seed(name, seed, SWARM)[0]] == []
+
+
+@pytest.mark.parametrize("name", ["two basins", "unequal basins"])
+@pytest.mark.parametrize("runs", [30, 40])
+def test_descents_that_were_cut_short_make_nothing_sure(name: str, runs: int) -> None:
+    """With so few runs after a textbook swarm no descent to the other basin ends; its first runs are lower already."""
+    animal, said = ZOO[name], []
+    for seed in range(3):
+        problem = animal.make(np.random.default_rng([seed, len(name)]).standard_normal(animal.points), SWARM)
+        problem = parse_problem(problem.document() | {"answer": {"max_evaluations": runs}})
+        statistics = report_of_result(problem, calibrate(problem, seed=seed)).statistics
+        assert statistics is not None
+        said += wrong_words(animal, problem, statistics)
+    assert said == []
 
 
 @pytest.mark.slow
