@@ -66,9 +66,10 @@ class ExploreSearch:
         self._left: list[int] = []
         if snapshot is not None:
             self.generation, self._spent = snapshot["generation"], snapshot["spent"]
-            self._waiting, self._left = list(snapshot["waiting"]), list(snapshot["left"])
-            descents = map(Refinement.from_json, snapshot["descents"])
-            self._ways = [_Way(one, tuple(rows)) for one, rows in zip(descents, snapshot["rows"], strict=True)]
+            self._waiting, self._left = list(snapshot["waiting"]), list(snapshot.get("left", ()))
+            descents = [Refinement.from_json(descent) for descent in snapshot["descents"]]
+            rows = snapshot.get("rows", [()] * len(descents))  # an earlier version did not keep them
+            self._ways = [_Way(descent, tuple(own)) for descent, own in zip(descents, rows, strict=True)]
 
     def ask(self) -> FloatArray | None:
         """Positions of the current generation; None when all descents have ended, or the runs are spent."""
