@@ -42,6 +42,28 @@ def test_a_finished_job_goes_on_as_if_it_had_been_asked_for_more_at_first(
     assert states == ["queued", "running", "finished", "running", "finished"]
 
 
+@ON_SQLITE
+def test_a_job_that_ended_with_its_answer_goes_on_with_its_search(service: JobService, make_worker: MakeWorker) -> None:
+    readings = [{"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1.0, 3.1, 4.9, 7.05]}}]
+    first, more = {"max_evaluations": 48}, {"max_evaluations": 96}
+    job_id = service.submit(line(observations=readings, stopping=first, answer={"max_evaluations": 12}))[0].id
+    worker = make_worker()
+    worker.serve(job_id)
+    ended = service.get(job_id)
+    assert service.change_stopping(job_id, Stopping.model_validate(more)).state == "running"
+    worker.serve(job_id)
+    view = service.get(job_id)
+    assert view.state == "finished"
+    assert ended.evaluations < view.evaluations <= 96
+    history = recorded_history(service, job_id)
+    alone = expected_history(line(observations=readings, stopping=more))
+    searched = 36  # what the answer left of the first evaluations
+    assert history[:searched] == alone[:searched]
+    # asked for before the answer began; later ones have learnt from its runs, too
+    following = slice(ended.evaluations, ended.evaluations + 6)
+    assert [run[2] for run in history[following]] == [run[2] for run in alone[searched : searched + 6]]
+
+
 def test_a_cancelled_job_goes_on_too(service: JobService, make_worker: MakeWorker, monkeypatch: Any) -> None:
     job_id = service.submit(line(stopping={"max_evaluations": 60}))[0].id
     service.cancel(job_id)

@@ -31,7 +31,14 @@ from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.queries.evaluations import drop_generation
 from geoswarm.workers.queries.queue import first_place
-from geoswarm.workers.states.job import DropGeneration, Job, PublishEvent, RecordGeneration, Transition
+from geoswarm.workers.states.job import (
+    DispatchGeneration,
+    DropGeneration,
+    Job,
+    PublishEvent,
+    RecordGeneration,
+    Transition,
+)
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
 from geoswarm.workers.store.database import Record
@@ -184,7 +191,8 @@ def save_job(
     if before.started_at is None and after.state == "running":
         values["started_at"] = locked.now
         values["versions"] = pack_json([dict(versions())])
-    if progress is not None and (records or before.progress is None):
+    dispatched = any(isinstance(instruction, DispatchGeneration) for instruction in instructions)
+    if progress is not None and (records or dispatched):
         values |= {
             "generation": progress.generation,
             "progress": pack_json(progress.to_json()),
