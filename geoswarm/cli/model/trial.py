@@ -60,9 +60,10 @@ def try_command(problem: Path, given: tuple[str, ...], whole: bool, as_json: boo
 
 def _values(problem: Problem, calibration: Any, given: tuple[str, ...]) -> dict[str, float]:
     """Given values, else initial ones, else the middle of the bounds."""
+    from geoswarm.solver.methods.base import by_name
     from geoswarm.solver.runs.check import middle
 
-    free = dict(zip(problem.free_names, middle(calibration).tolist(), strict=True))
+    free = by_name(calibration.space, middle(calibration))
     return parameter_values(problem, {**free, **given_values(problem, given)})
 
 

@@ -15,9 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.optimum.differences import residual_rows
-from geoswarm.solver.identifiability.optimum.linearisation import BENDS, CORRECTED, Linearisation
+from geoswarm.solver.identifiability.optimum.linearisation import BENDS, CORRECTED, IntervalBasis, Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import Profile, profile_settings, profiles_of
 from geoswarm.solver.search.descent.interval_ends import IntervalEnds, plan_ends
 from geoswarm.solver.search.descent.planned import ProfileSearch
@@ -36,7 +37,7 @@ def measure_bending(
     rows = residual_rows(calibration, evaluations)
     lowest = float(np.sum(linearisation.model.residuals**2))
     bending = np.full(len(linearisation.names), np.nan)
-    moved_ends: dict[int, tuple[float, float]] = {}
+    moved_ends: dict[int, FloatArray] = {}
     places, centre = calibration.space.to_unit(ends.positions), calibration.space.to_unit(linearisation.optimum)
     for index in range(len(bending)):
         others = np.delete(linearisation.model.weighted, index, axis=1)
@@ -44,8 +45,8 @@ def measure_bending(
         basis = left[:, singular > 1e-10 * max(float(singular.max(initial=0.0)), 1e-300)]
         factors = [1.0, 1.0]  # of the lengths below and above
         own = ends.parameter == index
-        for row, moved, place in zip(rows[own], ends.moved[own], places[own], strict=True):
-            part = float(moved / linearisation.linear_half_widths[index])
+        for row, away, place in zip(rows[own], ends.moved[own], places[own], strict=True):
+            part = float(away / linearisation.linear_half_widths[index])
             if not np.isfinite(row).all() or not _NEAREST <= part <= _FARTHEST:
                 continue
             remaining = row - basis @ (basis.T @ row)
@@ -56,27 +57,27 @@ def measure_bending(
             tau = max(1.0 + (tau - 1.0) / part, 1.0 / _LARGEST)
             factors[int(place[index] > centre[index])] = 1.0 / tau
             bending[index] = max(np.nan_to_num(bending[index]), max(tau, 1.0 / tau) - 1.0)
-        if BENDS < bending[index] <= CORRECTED:
-            moved_ends[index] = (factors[0], factors[1])
-    return _with_moved_ends(calibration, replace(linearisation, bending=bending), moved_ends)
+        if BENDS < bending[index] <= CORRECTED and not linearisation.to_rounding:
+            optimum, interval = (
+                _in_search(linearisation, index, one[index]) for one in (linearisation.optimum, linearisation.intervals)
+            )
+            moved = optimum + (interval - optimum) * np.array(factors)
+            moved_ends[index] = np.exp(moved) if linearisation.scales[index] == "log" else moved
+    return _with_ends(replace(linearisation, bending=bending), moved_ends, "moved")
 
 
-def _with_moved_ends(
-    calibration: Calibration, linearisation: Linearisation, factors: Mapping[int, tuple[float, float]]
-) -> Linearisation:
-    """Make the intervals of some parameters longer or shorter, below and above the optimum."""
-    if linearisation.to_rounding or not factors:
-        return linearisation
-    space = calibration.space
+def _with_ends(linearisation: Linearisation, ends: Mapping[int, FloatArray], basis: IntervalBasis) -> Linearisation:
+    """Give some parameters other intervals, natural values, each of shape (2,); nan: none."""
     intervals, widths, bases = linearisation.intervals.copy(), linearisation.unit_widths.copy(), [*linearisation.bases]
-    span, centre = space.search_upper - space.search_lower, space.to_search(linearisation.optimum)
-    for index, (below, above) in factors.items():
-        half = linearisation.linear_half_widths[index]
-        ends = centre[index] + half * span[index] * np.array([-below, above])
-        intervals[index] = np.exp(ends) if space.log[index] else ends
-        widths[index] = half * (below + above)
-        bases[index] = "moved"
+    for index, new in ends.items():
+        before, after = (float(np.ptp(_in_search(linearisation, index, one))) for one in (intervals[index], new))
+        intervals[index], widths[index], bases[index] = new, widths[index] * after / before, basis
     return replace(linearisation, intervals=intervals, unit_widths=widths, bases=tuple(bases))
+
+
+def _in_search(linearisation: Linearisation, index: int, values: FloatArray) -> FloatArray:
+    """Natural values of a parameter in search coordinates."""
+    return np.log(values) if linearisation.scales[index] == "log" else values
 
 
 def likelihood_intervals(calibration: Calibration, linearisation: Linearisation) -> Linearisation:
@@ -101,29 +102,21 @@ def with_profiles(linearisation: Linearisation, profiles: Sequence[Profile]) -> 
     left aside.
     """
     lowest = float(np.sum(linearisation.model.residuals**2))
-    intervals, widths = linearisation.intervals.copy(), linearisation.unit_widths.copy()
-    bases = list(linearisation.bases)
+    found: dict[int, FloatArray] = {}
     for profile in profiles:
         index = linearisation.names.index(profile.parameter)
-        if not profile.complete or profile.better is not None or not np.isfinite(widths[index]):
+        if not profile.complete or profile.better is not None or not np.isfinite(linearisation.unit_widths[index]):
             continue
-        if not np.ptp(intervals[index]) > 0.0:  # of an exact fit, below the spacing of floating-point numbers
+        if not np.ptp(linearisation.intervals[index]) > 0.0:  # of an exact fit, below the spacing of floats
             continue
         rise = float(linearisation.profile_increase[index])
         if abs(profile.limit - lowest - rise) > _SAME_LIMIT * rise:
             continue
         low = float(profile.values[0]) if profile.lower is None else profile.lower
         high = float(profile.values[-1]) if profile.upper is None else profile.upper
-        ends = np.array([low, high])
-        if linearisation.scales[index] == "log":
-            ratio = float(np.diff(np.log(ends))[0] / np.diff(np.log(intervals[index]))[0])
-        else:
-            ratio = float(np.diff(ends)[0] / np.diff(intervals[index])[0])
-        bases[index] = "profile"
         is_open = profile.lower is None and profile.upper is None
-        intervals[index] = np.nan if is_open else ends
-        widths[index] = np.nan if is_open else widths[index] * ratio
-    return replace(linearisation, intervals=intervals, unit_widths=widths, bases=tuple(bases))
+        found[index] = np.array([np.nan, np.nan] if is_open else [low, high])
+    return _with_ends(linearisation, found, "profile")
 
 
 def _profiles(calibration: Calibration, linearisation: Linearisation) -> tuple[Profile, ...]:

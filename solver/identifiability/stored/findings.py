@@ -178,6 +178,7 @@ def _sensitivity(
     if isinstance(search, MinimumSearch):
         return _of_minimum(search, calibration, evaluations, noise, level)
     start = evaluations[0].objective if evaluations else None
+    positions, rows = _runs(calibration, evaluations)
     position = first = last_difference = 0
     while (due := search.ask()) is not None:
         if search.descending:
@@ -190,11 +191,11 @@ def _sensitivity(
             going_on = "the descent to the minimum has not ended" if search.descending else _INCOMPLETE
             return Findings(start_objective=start, notes=(going_on,))
         position += len(due)
-        _tell(calibration, search, evaluations[:position], len(due))
+        _tell(search, positions[:position], rows[:position], len(due))
     plan, last = search.plan, evaluations[first:last_difference]
     if search.steps is not None:
-        plan, rows = search.steps.chosen(residual_rows(calibration, last))
-        last = [last[row] for row in rows]
+        plan, chosen = search.steps.chosen(rows[first:last_difference])
+        last = [last[row] for row in chosen]
     try:
         found = from_evaluations(calibration, plan, last, noise=noise, level=level)
     except StatisticsError as error:
@@ -213,15 +214,11 @@ def _of_minimum(
     noise: Mapping[str, float] | float | None,
     level: float,
 ) -> Findings:
-    rows = residual_rows(calibration, evaluations)
-    while (due := search.ask()) is not None and search.told + len(due) <= len(evaluations):
-        told = search.told + len(due)
-        _tell(calibration, search, evaluations[:told], len(due))
+    rows = _replay(search, calibration, evaluations)
     start = evaluations[0].objective if evaluations else None
     if search.differences is None:
         return Findings(start_objective=start, notes=(_INCOMPLETE,))
     steps, first = search.differences
-    rows = rows[: search.told]
     plan, chosen = steps.chosen(rows[first:])
     walk = search.walk(rows)
     best = evaluations[walk.row]
@@ -275,10 +272,7 @@ def _profiles(
     level: float,  # noqa: ARG001  the form of all
 ) -> Findings:
     search = method.search(calibration.space)
-    position = 0
-    while (due := search.ask()) is not None and position + len(due) <= len(evaluations):
-        _tell(calibration, search, evaluations[position : position + len(due)], len(due))
-        position += len(due)
+    _replay(search, calibration, evaluations)
     notes = []
     if search.failed:
         notes.append(f"the evaluation of the optimum failed ({evaluations[0].reason}): {evaluations[0].message}")
@@ -297,19 +291,13 @@ def _explored(
     noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
     level: float,  # noqa: ARG001  the form of all
 ) -> Findings:
-    search, told = method.search(calibration.space), 0
-    positions = np.array([one.parameters for one in evaluations])
-    rows = residual_rows(calibration, evaluations)
-    while (due := search.ask()) is not None and told + len(due) <= len(evaluations):
-        told += len(due)
-        runs = Runs.of(positions[:told], rows[:told])
-        search.tell(runs.objectives[-len(due) :], runs)
+    search = method.search(calibration.space)
+    _replay(search, calibration, evaluations)
     unended = set(search.left)
-    made = [
-        (row in unended, (e.parameters, e.objective)) for row, e in enumerate(evaluations) if e.objective is not None
-    ]
+    made = [(row, (e.parameters, e.objective)) for row, e in enumerate(evaluations) if e.objective is not None]
     return Findings(
-        explored=tuple(run for is_left, run in made if not is_left), left=tuple(run for is_left, run in made if is_left)
+        explored=tuple(run for row, run in made if row not in unended),
+        left=tuple(run for row, run in made if row in unended),
     )
 
 
@@ -348,10 +336,24 @@ def _indices(
     return Findings(global_sensitivities=tuple(found), notes=tuple(dict.fromkeys(notes)))
 
 
-def _tell(calibration: Calibration, search: Any, evaluations: Sequence[Evaluation], count: int) -> None:
-    """Tell a search the last ``count`` of these evaluations; it may look back at the others."""
-    runs = Runs.of(np.array([e.parameters for e in evaluations]), residual_rows(calibration, evaluations))
+def _runs(calibration: Calibration, evaluations: Sequence[Evaluation]) -> tuple[FloatArray, FloatArray]:
+    """Positions, natural values, and weighted residuals of evaluations."""
+    return np.array([one.parameters for one in evaluations]), residual_rows(calibration, evaluations)
+
+
+def _tell(search: Any, positions: FloatArray, rows: FloatArray, count: int) -> None:
+    """Tell a search the last ``count`` of these runs; it may look back at the others."""
+    runs = Runs.of(positions, rows)
     search.tell(runs.objectives[-count:], runs)
+
+
+def _replay(search: Any, calibration: Calibration, evaluations: Sequence[Evaluation]) -> FloatArray:
+    """Tell a search all whole generations of its evaluations; return their weighted residuals, shape (n, m)."""
+    (positions, rows), told = _runs(calibration, evaluations), 0
+    while (due := search.ask()) is not None and told + len(due) <= len(evaluations):
+        told += len(due)
+        _tell(search, positions[:told], rows[:told], len(due))
+    return rows[:told]
 
 
 def join_findings(parts: Sequence[Findings]) -> Findings:

@@ -23,7 +23,7 @@ _LONGEST = 40  # iterations
 
 
 @dataclass(frozen=True, slots=True)
-class _Way:
+class _UnderWay:
     """A descent that goes on, and the indices of its runs."""
 
     descent: Refinement
@@ -62,20 +62,20 @@ class ExploreSearch:
         self.generation = 0
         self._spent = 0
         self._waiting: list[int] = []
-        self._ways: list[_Way] = []
+        self._descents: list[_UnderWay] = []
         self._left: list[int] = []
         if snapshot is not None:
             self.generation, self._spent = snapshot["generation"], snapshot["spent"]
             self._waiting, self._left = list(snapshot["waiting"]), list(snapshot.get("left", ()))
             descents = [Refinement.from_json(descent) for descent in snapshot["descents"]]
             rows = snapshot.get("rows", [()] * len(descents))  # an earlier version did not keep them
-            self._ways = [_Way(descent, tuple(own)) for descent, own in zip(descents, rows, strict=True)]
+            self._descents = [_UnderWay(descent, tuple(own)) for descent, own in zip(descents, rows, strict=True)]
 
     def ask(self) -> FloatArray | None:
         """Positions of the current generation; None when all descents have ended, or the runs are spent."""
         if self.generation == 0:
             return self._points
-        parts = [way.descent.asked for way in self._ways]
+        parts = [one.descent.asked for one in self._descents]
         return self._space.from_unit(np.concatenate(parts)) if parts else None
 
     def tell(self, objectives: FloatArray, runs: Runs | None = None) -> None:
@@ -89,14 +89,14 @@ class ExploreSearch:
                 self._waiting = [first + point for point in self._starts(objectives)]
             else:
                 going = []
-                for way in self._ways:
-                    rows = range(first, first + len(way.descent.asked))
+                for one in self._descents:
+                    rows = range(first, first + len(one.descent.asked))
                     first = rows.stop
                     so_far = replace(runs, positions=runs.positions[:first], objectives=runs.objectives[:first])
-                    after = way.descent.advance(self._space, so_far, _LONGEST)
+                    after = one.descent.advance(self._space, so_far, _LONGEST)
                     if not after.finished and not self._back(after):
-                        going.append(_Way(after, (*way.rows, *rows)))
-                self._ways = going
+                        going.append(_UnderWay(after, (*one.rows, *rows)))
+                self._descents = going
             self._fill(runs)
         self.generation += 1
 
@@ -119,17 +119,17 @@ class ExploreSearch:
 
     def _fill(self, runs: Runs) -> None:
         """Keep so many descents going as the runs left allow."""
-        while self._waiting and len(self._ways) < _AT_ONCE:
+        while self._waiting and len(self._descents) < _AT_ONCE:
             begun = Refinement.begin(self._space, runs, self._waiting.pop(0), self._known)
             if not begun.finished:
-                self._ways.append(_Way(begun))
-        while sum(len(way.descent.asked) for way in self._ways) > self._runs - self._spent:
-            self._left += self._ways.pop().rows
+                self._descents.append(_UnderWay(begun))
+        while sum(len(one.descent.asked) for one in self._descents) > self._runs - self._spent:
+            self._left += self._descents.pop().rows
 
     @property
     def left(self) -> list[int]:
         """Indices of the runs of descents that have not ended: where these would have led is not known."""
-        return [*self._left, *(row for way in self._ways for row in way.rows)]
+        return [*self._left, *(row for one in self._descents for row in one.rows)]
 
     def snapshot(self) -> Snapshot:
         """State between two generations, JSON-able."""
@@ -137,7 +137,7 @@ class ExploreSearch:
             "generation": self.generation,
             "spent": self._spent,
             "waiting": self._waiting,
-            "descents": [way.descent.to_json() for way in self._ways],
-            "rows": [list(way.rows) for way in self._ways],
+            "descents": [one.descent.to_json() for one in self._descents],
+            "rows": [list(one.rows) for one in self._descents],
             "left": self._left,
         }
