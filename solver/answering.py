@@ -17,6 +17,7 @@ from geoswarm.solver.identifiability.optimum.profiles import profile_settings
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.exploring import other_starts
 from geoswarm.solver.identifiability.stored.findings import Findings, answer_of
+from geoswarm.solver.identifiability.stored.study import Statistics, analyse
 from geoswarm.solver.methods.base import FollowUpMethod, Maker, Task, by_name
 from geoswarm.solver.methods.explore import ExploreMethod
 from geoswarm.solver.methods.profile import ProfileMethod
@@ -27,7 +28,7 @@ from geoswarm.solver.progress.stopping import MaxSeconds, StopCriterion, evaluat
 from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import LOST_IN_NOISE, MinimumSearch
 
-__all__ = ["begin_answer", "go_on_answering"]
+__all__ = ["begin_answer", "conclude", "go_on_answering"]
 
 _MOST_MINIMA = 4  # that sensitivities are calculated at
 _MOST_EXPLORATIONS = 4  # around one minimum, of twelve places or more each
@@ -106,6 +107,29 @@ def go_on_answering(
         if (begun := _begin(calibration, after, answer, method)) is not None:
             return Step(begun, ())
     return Step(replace(after, positions=np.empty((0, calibration.space.dimension))), answer.reasons)
+
+
+def conclude(calibration: Calibration, progress: Progress, runs: Runs) -> Statistics | None:
+    """Return what a job says of its parameters when these runs have ended; None where they gave no sensitivities.
+
+    Parameters
+    ----------
+    runs
+        All evaluations.
+    """
+    answer = progress.answer
+    assert answer is not None
+    findings = answer_of(calibration, answer, _evaluations(calibration, progress, answer, runs))
+    if findings.linearisation is None:
+        return None
+    return analyse(
+        calibration,
+        _searched(calibration, answer, runs),
+        linearisation=findings.linearisation,
+        at_optimum=findings.responses,
+        elsewhere=findings.explored,
+        left=findings.left,
+    )
 
 
 def _room(progress: Progress) -> int:
@@ -188,12 +212,17 @@ def _elsewhere(calibration: Calibration, answer: Answer, findings: Findings, run
     """Where to look for other basins, natural values: not where parts of the answer began to look already."""
     assert findings.linearisation is not None
     assert findings.objective is not None
-    first, names = _offered(calibration), calibration.free_names
-    rows = slice(first, first + answer.evaluations)
-    samples = Samples.from_arrays(calibration.problem, runs.positions[rows], runs.objectives[rows])
+    samples, names = _searched(calibration, answer, runs), calibration.free_names
     explored = [part.method for part in answer.parts if isinstance(part.method, ExploreMethod)]
     looked = [np.array(place) for one in explored for place in zip(*(one.points[name] for name in names), strict=True)]
     return other_starts(calibration, samples, findings.linearisation, findings.objective, findings.explored, looked)
+
+
+def _searched(calibration: Calibration, answer: Answer, runs: Runs) -> Samples:
+    """The runs of the search."""
+    first = _offered(calibration)
+    rows = slice(first, first + answer.evaluations)
+    return Samples.from_arrays(calibration.problem, runs.positions[rows], runs.objectives[rows])
 
 
 def _offered(calibration: Calibration) -> int:

@@ -7,7 +7,15 @@ from datetime import datetime
 from geoswarm.records.record import Number, record, told
 from geoswarm.records.states import ENDED_STATES, JobState
 
-__all__ = ["Job", "Retry"]
+__all__ = ["Job", "Retry", "SearchBest"]
+
+
+@record
+class SearchBest:
+    """The best evaluation of a search, before the runs that followed it."""
+
+    objective: float
+    parameters: dict[str, float] = told("all parameters")
 
 
 @record
@@ -22,7 +30,17 @@ class Job:
     stop_reasons: list[str] = told("every stop criterion that was satisfied at the end")
     objective: Number = told("lowest objective f so far; null before the first success")
     parameters: dict[str, float] | None = told("all parameters (free, fixed, linked) at that objective")
+    at_bounds: dict[str, str] | None = told("free parameters that lie at a bound of their range: 'lower' or 'upper'")
+    intervals: dict[str, tuple[float, float] | None] | None = told(
+        "95 % intervals of the free parameters, where a search ended with them; null for one without an interval"
+    )
+    verdicts: dict[str, str] | None = told(
+        "kinds of the verdicts on the free parameters then; statistics have the sentences, and what follow-ups add"
+    )
+    search_best: SearchBest | None = told("best of the search alone, where further runs followed it")
     evaluations: int = told("counted in finished generations")
+    search_evaluations: int | None = told("of the search, once it has ended and its answer follows")
+    answer_evaluations: int | None = told("at most so many follow the search")
     generations: int
     failed_evaluations: int
     created_at: datetime

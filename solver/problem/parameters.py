@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from graphlib import CycleError, TopologicalSorter
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from geoswarm.solver.errors import ExpressionError, Issue
 from geoswarm.solver.expressions import CONSTANTS, FUNCTIONS, Expression, parse_expression
@@ -18,6 +18,7 @@ from geoswarm.solver.problem.sections import FixedSection, FreeSection, LinkedSe
 from geoswarm.solver.words import did_you_mean
 
 __all__ = [
+    "Bound",
     "FixedParameter",
     "FreeParameter",
     "LinkedParameter",
@@ -32,6 +33,8 @@ __all__ = [
 
 _NAME = re.compile(r"[^\W\d]\w*(?:\.[^\W\d]\w*)*")
 _MAX_NAME = 100
+_NEAR = 1e-3  # of a range: a value so near to its end lies at it
+Bound: TypeAlias = Literal["lower", "upper"]
 _RESERVED = {"and", "or", "not", *FUNCTIONS, *CONSTANTS}
 
 
@@ -48,6 +51,13 @@ class FreeParameter:
     scale: Scale = "linear"
     initial: float | None = None
     integer: bool = False
+
+    def bound_at(self, value: float) -> Bound | None:
+        """Return the bound that a value is nearer to than a thousandth of the range on its scale, else None."""
+        place = (value - self.lower) / (self.upper - self.lower)
+        if self.scale == "log" and value > 0.0:
+            place = math.log(value / self.lower) / math.log(self.upper / self.lower)
+        return "lower" if place <= _NEAR else "upper" if place >= 1.0 - _NEAR else None
 
 
 @dataclass(frozen=True, slots=True)

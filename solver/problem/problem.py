@@ -13,6 +13,7 @@ from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, Paramet
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.problem.observations import Observation
 from geoswarm.solver.problem.parameters import (
+    Bound,
     FixedParameter,
     FreeParameter,
     LinkedParameter,
@@ -153,6 +154,11 @@ class Problem:
         for link in self._links:
             values[link.name] = link.expression.value(values)  # type: ignore[assignment]  # numbers in, number out
         return values
+
+    def at_bounds(self, values: Mapping[str, float]) -> dict[str, Bound]:
+        """Free parameters that lie at a bound of their range, with that bound; ``values`` has all parameters."""
+        bounds = {parameter.name: parameter.bound_at(values[parameter.name]) for parameter in self.free}
+        return {name: bound for name, bound in bounds.items() if bound is not None}
 
     def satisfies(self, values: Mapping[str, float]) -> bool:
         """Whether values of all parameters are admissible.

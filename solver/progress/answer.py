@@ -9,11 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geoswarm.solver.methods.base import FollowUpMethod
 from geoswarm.solver.methods.registry import find_method
 from geoswarm.solver.search.base import Snapshot
+
+if TYPE_CHECKING:
+    from geoswarm.solver.problem import Problem
 
 __all__ = ["Answer", "Part"]
 
@@ -79,6 +82,11 @@ class Answer:
     def evaluations(self) -> int:
         """Evaluations of the search."""
         return self.parts[0].evaluations
+
+    def search_best(self, problem: Problem) -> dict[str, Any]:
+        """Return ``objective`` and all ``parameters`` of the best evaluation of the search."""
+        at = self.parts[0].document["at"]
+        return {"objective": self.objective, "parameters": problem.values([at[name] for name in problem.free_names])}
 
     def plan(self) -> dict[str, Any]:
         """Return what tells how its evaluations are read, as plain JSON values, without the states of searches."""

@@ -39,6 +39,8 @@ class GenerationRecord:
         Best of this generation; None when all its evaluations failed.
     objective, parameters
         Best so far and all its parameter values by name; None while no evaluation has succeeded.
+    search_evaluations, answer_evaluations
+        Evaluations of the search, and how many may follow it; None while it goes on, and of runs that are read again.
     """
 
     number: int
@@ -47,6 +49,8 @@ class GenerationRecord:
     best_objective: float | None
     objective: float | None
     parameters: dict[str, float] | None
+    search_evaluations: int | None = None
+    answer_evaluations: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +95,7 @@ def generation_record(
     problem: Problem, number: int, objectives: Sequence[float | None], after: Progress
 ) -> GenerationRecord:
     """Summarise a finished generation from its objectives and the progress after it."""
-    best = after.best
+    best, answer = after.best, after.answer
     return GenerationRecord(
         number=number,
         evaluations=after.evaluations,
@@ -99,6 +103,8 @@ def generation_record(
         best_objective=min((f for f in objectives if f is not None), default=None),
         objective=best.objective if best else None,
         parameters=problem.values(best.parameters.tolist()) if best else None,
+        search_evaluations=answer.evaluations if answer else None,
+        answer_evaluations=answer.most if answer else None,
     )
 
 

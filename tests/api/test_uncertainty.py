@@ -278,3 +278,50 @@ def test_a_design_puts_the_candidate_that_tells_most_first(examined: tuple[App, 
     refused = app.post(f"{API}/jobs/{job}/design", json={"candidates": wrong})
     assert refused.status_code == 422
     assert "candidates[0].observations[0].series" in refused.text
+
+
+def test_a_job_shows_intervals_and_verdicts_as_soon_as_it_has_ended(engine: Engine) -> None:
+    app = App(engine.service)
+    readings = [{"series": "y", "points": {"x": X.tolist(), "y": Y.tolist()}}]
+    problem = line_problem(observations=readings, answer={"max_evaluations": 40})
+    job = app.post(f"{API}/jobs", json=problem).json()
+    assert job["intervals"] is job["verdicts"] is job["search_best"] is job["at_bounds"] is None
+    assert wait_for_end(engine.service, job["id"]).state == "finished"
+    shown = app.get(f"{API}/jobs/{job['id']}").json()
+    statistics = app.get(f"{API}/jobs/{job['id']}/statistics").json()
+    assert shown["verdicts"] == {one["parameter"]: one["kind"] for one in statistics["verdicts"]}
+    rows = statistics["linearisation"]["parameters"]
+    assert shown["intervals"] == {name: row["interval"] for name, row in rows.items()}
+    assert shown["parameters"] == {name: row["value"] for name, row in rows.items()}
+    (listed,) = [one for one in app.get(f"{API}/jobs").json()["items"] if one["id"] == job["id"]]
+    assert (listed["intervals"], listed["verdicts"]) == (shown["intervals"], shown["verdicts"])
+    assert job["search_evaluations"] is job["answer_evaluations"] is None
+    assert shown["answer_evaluations"] == 60 - shown["search_evaluations"] > 8
+    searched = app.get(f"{API}/jobs/{job['id']}/evaluations?limit={shown['search_evaluations']}").json()["items"]
+    best = min(searched, key=lambda one: one["objective"])
+    assert shown["search_best"] == {"objective": best["objective"], "parameters": best["parameters"]}
+    # by the normal equations and Student's t
+    errors = textbook()
+    design = np.stack([np.ones_like(X), X], axis=1)
+    estimates = np.linalg.lstsq(design, Y, rcond=None)[0]
+    half = stats.t.ppf(0.975, X.size - 2) * errors
+    for name, estimate, width in zip("ab", estimates, half, strict=True):
+        assert shown["intervals"][name] == pytest.approx([estimate - width, estimate + width], abs=0.05 * width)
+
+
+def test_a_job_that_goes_on_shows_no_intervals_until_it_ends_again(engine: Engine) -> None:
+    app = App(engine.service)
+    readings = [{"series": "y", "points": {"x": X.tolist(), "y": Y.tolist()}}]
+    job = app.post(f"{API}/jobs", json=line_problem(observations=readings, answer={"max_evaluations": 40})).json()["id"]
+    assert wait_for_end(engine.service, job).state == "finished"
+    first = app.get(f"{API}/jobs/{job}").json()
+    assert app("PATCH", f"{API}/jobs/{job}", json={"stopping": {"max_evaluations": 90}}).status_code == 200
+    assert wait_for_end(engine.service, job).state == "finished"
+    again = app.get(f"{API}/jobs/{job}").json()
+    assert again["evaluations"] > first["evaluations"]
+    for name, interval in first["intervals"].items():
+        assert again["intervals"][name] == pytest.approx(interval, rel=1e-3)
+    # a search alone has none
+    alone = app.post(f"{API}/jobs", json=line_problem(observations=readings)).json()["id"]
+    assert wait_for_end(engine.service, alone).state == "finished"
+    assert app.get(f"{API}/jobs/{alone}").json()["intervals"] is None

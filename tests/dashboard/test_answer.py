@@ -115,7 +115,8 @@ def test_each_run_counts_at_once_and_the_tab_tells_how_far_it_is(embedded: Site,
         page, _ = visit(embedded, "/")
         found = {
             "generation": 0, "pending": 2, "running": 2, "finished": 8, "failed": 0, "objective": 0.5,
-            "evaluations": 8, "seconds": 2.0, "workers": 1, "seconds_left": 104.0,
+            "evaluations": 8, "search_evaluations": None, "answer_evaluations": None, "seconds": 2.0, "workers": 1,
+            "seconds_left": 104.0,
         }  # fmt: skip
         page.route(re.compile("/progress$"), lambda route: route.fulfill(json=found))
         page.goto(f"/jobs/{view.id}")
@@ -127,6 +128,9 @@ def test_each_run_counts_at_once_and_the_tab_tells_how_far_it_is(embedded: Site,
         expect(now).to_contain_text("at most 1 min 44 s left")
         expect(page).to_have_title(re.compile("^0 % under way"))
         expect(page.locator("#crew")).to_contain_text("free")
+        found |= {"evaluations": 52, "search_evaluations": 40, "answer_evaluations": 47}
+        expect(now).to_contain_text("search ended after 40 runs, intervals: 12 of at most 47", timeout=SOON)
+        expect(page).to_have_title(re.compile("^59 % under way"))
         check_accessibility(page)
     finally:
         embedded.service.cancel(view.id)

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import expect
 
 from geoswarm.solver.problem import parse_problem
-from tests.api.conftest import wait_for_end
+from tests.api.conftest import line_problem, wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_job import LONG, SOON, textbook
@@ -49,6 +49,25 @@ def test_parameters_convergence_and_fits_stand_side_by_side(embedded: Site, visi
     )
     check_accessibility(page)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_values_stand_with_intervals_verdicts_and_bounds(embedded: Site, visit: Visit) -> None:
+    points = {"x": [0, 1, 2, 3, 4, 5], "y": [1.02, 2.97, 5.01, 7.03, 8.98, 10.99]}  # a of the least squares is 1
+    common = {"observations": [{"series": "y", "points": points}], "answer": {"max_evaluations": 60}}
+    ranges = {"a": {"lower": -5, "upper": 0.5}, "b": {"lower": 0, "upper": 4}}
+    made = [
+        embedded.service.submit(parse_problem(line_problem(name=name, **common, **changes)))[0].id
+        for name, changes in (("free", {}), ("narrow", {"parameters": ranges}))
+    ]
+    for job_id in made:
+        wait_for_end(embedded.service, job_id)
+    page, _ = visit(embedded, "/compare?" + "&".join(f"job={job_id}" for job_id in made))
+    cells = page.locator("#parameters tbody tr").first.locator("td.n")
+    expect(cells.nth(0)).to_contain_text(" … ")
+    expect(cells.nth(0)).to_contain_text("identified")
+    expect(cells.nth(1)).to_contain_text("at its upper bound")
+    assert embedded.service.get(made[1]).at_bounds == {"a": "upper"}
+    check_accessibility(page)
 
 
 def test_jobs_are_added_and_removed(embedded: Site, visit: Visit, ids: list[str]) -> None:

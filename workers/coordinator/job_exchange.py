@@ -50,11 +50,15 @@ class Due:
 
 @dataclass(frozen=True, slots=True)
 class Closed:
-    """Outcome of the state machine; valid if the job is still in that state, with these stop criteria."""
+    """Outcome of the state machine; valid if the job is still in that state, with these stop criteria.
+
+    ``conclusion``: what the job says of its parameters, where it ends.
+    """
 
     generation: int
     transition: Transition
     stopping: str | None = None
+    conclusion: Mapping[str, Any] | None = None
 
 
 class JobExchange:
@@ -238,9 +242,9 @@ class JobExchange:
         values = [cell.values for cell in rows.cells]
         if self.job is None:
             raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
-        stopping = self.locked.row.stopping
+        stopping, conclusion = self.locked.row.stopping, None
         if closed is not None and closed.generation == rows.generation and closed.stopping == stopping:
-            transition = closed.transition
+            transition, conclusion = closed.transition, closed.conclusion
         else:
             results = [Joined(v["objective"], v["reason"], v["message"]) for v in values]
             seconds = self.locked.run_seconds(self.settings.lease_seconds)
@@ -256,7 +260,7 @@ class JobExchange:
                 return None
             transition = apply(self.job, event, self.course)
         self.typical = _typical(values, self.typical)
-        self._save([transition], [])
+        self._save([transition], [], conclusion)
         if transition.job.state != "running":
             return None
         return self._following(transition)
@@ -286,7 +290,14 @@ class JobExchange:
             return self.log.repeats(np.array([unpack_array(cell.parameters) for cell in rows.cells]))
         return self.typical is not None and self.typical > self.settings.cheap_seconds
 
-    def _save(self, transitions: Sequence[Transition], finished_at: Sequence[float]) -> None:
+    def _save(
+        self,
+        transitions: Sequence[Transition],
+        finished_at: Sequence[float],
+        conclusion: Mapping[str, Any] | None = None,
+    ) -> None:
+        best = None if (progress := transitions[-1].job.progress) is None else progress.best
+        problem = self.course.problem
         save_job(
             self.connection,
             self.locked,
@@ -294,6 +305,8 @@ class JobExchange:
             gap=self.settings.lease_seconds,
             typical_seconds=self.typical,
             finished_at=finished_at,
+            at_bounds=None if best is None else problem.at_bounds(problem.values(best.parameters.tolist())),
+            conclusion=conclusion,
         )
         self._job = transitions[-1].job
         self.state = self._job.state

@@ -156,12 +156,16 @@ def finish_retry(
         "rung_at": None,
     }
     if best is not None and problem is not None:
+        parameters = problem.values(best.parameters.tolist())
         values |= {
             "objective": best.objective,
             "best_generation": best.generation,
             "best_particle": best.particle,
-            "parameters": pack_json(problem.values(best.parameters.tolist())),
+            "parameters": pack_json(parameters),
+            "at_bounds": pack_json(problem.at_bounds(parameters)),
         }
+        if (best.generation, best.particle) != (row.best_generation, row.best_particle):
+            values["conclusion"] = None  # it is of another minimum
     connection.execute(update(jobs).where(jobs.c.id == locked.id).values(values))
     _refresh_generations(connection, locked)
     publish_state(connection, locked, target, unpack_json(row.stop_reasons), values["error"])

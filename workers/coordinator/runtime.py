@@ -7,9 +7,11 @@ level, and there is one order of locks.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 from weakref import WeakKeyDictionary
 
 from sqlalchemy import Connection
@@ -17,11 +19,12 @@ from sqlalchemy import Connection
 from geoswarm.records.states import ENDED_STATES, SERVED_STATES
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.course import Course
-from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.errors import InfeasibleSpaceError, SolverError
 from geoswarm.solver.problem import Stopping, parse_problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunKey, RunLog
+from geoswarm.solver.search import Runs
 from geoswarm.workers.coordinator.ending import change_stopping
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
 from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
@@ -56,6 +59,8 @@ from geoswarm.workers.store.codec import pack_json, unpack_problem
 from geoswarm.workers.store.event_bell import insert_events
 
 __all__ = ["Runtime"]
+
+logger = logging.getLogger(__name__)
 
 
 SMALL = 64
@@ -247,7 +252,8 @@ class Runtime:
             return self.store.read(lambda connection: list_responses(connection, job_id, keys))
 
         joined = replace(due.joined, runs=log.runs(fetch))
-        return Closed(generation, apply(due.job, joined, course), due.stopping)
+        transition = apply(due.job, joined, course)
+        return Closed(generation, transition, due.stopping, _conclusion(course, transition, joined.runs))
 
     def tell_kernels(self, job_id: str, seconds: float | None) -> None:
         """Tell watchers of a job that kernels are being compiled for it (None), or were, and in how many seconds."""
@@ -351,6 +357,23 @@ class Runtime:
             for instruction in transition.instructions:
                 if isinstance(instruction, DispatchGeneration):
                     GenerationRows.dispatch(locked.id, instruction.generation, instruction.positions).write(connection)
+
+
+def _conclusion(course: Course, transition: Transition, runs: Runs | None) -> dict[str, Any] | None:
+    """What a job says of its parameters when it ends with the runs that this needs."""
+    progress = transition.job.progress
+    if transition.job.state != "finished" or progress is None or progress.answer is None or runs is None:
+        return None
+    search_best = progress.answer.search_best(course.problem)
+    from geoswarm.solver.answering import conclude  # needs SciPy: not before a search has ended
+
+    try:
+        found = conclude(course.calibration, progress, runs)
+    except SolverError as error:
+        logger.warning("no intervals at the end of %s: %s", course.problem.name, error)
+        found = None
+    intervals, verdicts = (None, None) if found is None else (found.intervals, found.kinds)
+    return {"intervals": intervals, "verdicts": verdicts, "search_best": search_best}
 
 
 def _admitted(connection: Connection, asked: Asked) -> bool:

@@ -150,10 +150,13 @@ def save_job(
     gap: float,
     typical_seconds: float | None = None,
     finished_at: Sequence[float] = (),
+    at_bounds: Mapping[str, str] | None = None,
+    conclusion: Mapping[str, Any] | None = None,
 ) -> None:
     """Write what transitions made of a locked job, with the generations that they recorded and their events.
 
-    ``finished_at`` gives the time of each recorded generation, by default now.
+    ``finished_at`` gives the time of each recorded generation, by default now; ``at_bounds``, which of the best
+    parameters lie at a bound; ``conclusion``, what a job that ends says of them.
     """
     before, after = locked.row, transitions[-1].job
     instructions = [instruction for transition in transitions for instruction in transition.instructions]
@@ -187,6 +190,7 @@ def save_job(
         "clock_at": locked.now if after.state == "running" else None,
         "finished_at": locked.now if ended else None,
         "rung_at": None,
+        "conclusion": None if conclusion is None else pack_json(conclusion),
     }
     if before.started_at is None and after.state == "running":
         values["started_at"] = locked.now
@@ -199,6 +203,8 @@ def save_job(
             "dispatched_at": times[-1] if records else locked.now,
             "generations": after.generations,
             "evaluations": progress.evaluations,
+            "search_evaluations": None if progress.answer is None else progress.answer.evaluations,
+            "answer_evaluations": None if progress.answer is None else progress.answer.most,
             "failed_evaluations": progress.failed,
             "failures": pack_json({"reasons": dict(after.failures), "first_message": after.first_message}),
         }
@@ -210,6 +216,7 @@ def save_job(
             "best_generation": progress.best.generation,
             "best_particle": progress.best.particle,
             "parameters": pack_json(records[-1].parameters),
+            "at_bounds": pack_json(dict(at_bounds or {})),
         }
     # Compare and set: the lock makes it certain, the condition proves it.
     condition = and_(jobs.c.id == locked.id, jobs.c.generation == before.generation, jobs.c.state == before.state)

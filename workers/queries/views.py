@@ -13,7 +13,7 @@ from geoswarm.records.attempt import Attempt
 from geoswarm.records.evaluation import COLUMNS, Evaluation, Response
 from geoswarm.records.event import Event
 from geoswarm.records.generation import Generation
-from geoswarm.records.job import Job
+from geoswarm.records.job import Job, SearchBest
 from geoswarm.records.record import Number
 from geoswarm.records.worker import AgentSlot, Worker
 from geoswarm.solver.arrays import FloatArray
@@ -30,6 +30,8 @@ def job_view(row: Record, gap: float) -> Job:
     if row.state == "running":
         seconds = row.run_seconds + min(max(row.now - row.clock_at, 0.0), gap)
     recorded = recorded_versions(row)
+    conclusion = {} if row.conclusion is None else unpack_json(row.conclusion)
+    intervals = conclusion.get("intervals")
     return Job(
         id=row.id,
         name=row.name,
@@ -39,7 +41,13 @@ def job_view(row: Record, gap: float) -> Job:
         stop_reasons=unpack_json(row.stop_reasons),
         objective=row.objective,
         parameters=None if row.parameters is None else unpack_json(row.parameters),
+        at_bounds=None if row.at_bounds is None else unpack_json(row.at_bounds),
+        intervals=intervals and {name: ends and (ends[0], ends[1]) for name, ends in intervals.items()},
+        verdicts=conclusion.get("verdicts"),
+        search_best=conclusion.get("search_best") and SearchBest(**conclusion["search_best"]),
         evaluations=row.evaluations,
+        search_evaluations=row.search_evaluations,
+        answer_evaluations=row.answer_evaluations,
         generations=row.generations,
         failed_evaluations=row.failed_evaluations,
         created_at=to_datetime(row.created_at),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -98,13 +99,18 @@ class JobRecords(ABC):
             ended = job.evaluations + number["finished"] + number["failed"]
             each = mean_seconds(connection, job_id, job.generations)
             workers = free_workers(connection, self.settings.lease_seconds, job_id=job_id)
-            known = each is not None and job.max_evaluations is not None and job.state not in ENDED_STATES
-            left = max(job.max_evaluations - ended, 0) * each / max(workers, 1) if known else None
+            most = job.max_evaluations
+            if job.search_evaluations is not None:
+                most = min(job.search_evaluations + job.answer_evaluations, most or math.inf)
+            known = each is not None and most is not None and job.state not in ENDED_STATES
+            left = max(most - ended, 0) * each / max(workers, 1) if known else None
             return Progress(
                 generation=job.generations,
                 **number,
                 objective=min([*best, *([] if job.objective is None else [job.objective])], default=None),
                 evaluations=ended,
+                search_evaluations=job.search_evaluations,
+                answer_evaluations=job.answer_evaluations,
                 seconds=each,
                 workers=workers,
                 seconds_left=left,

@@ -344,4 +344,6 @@ def _generation_data(record: GenerationRecord) -> dict[str, Any]:
         "best_objective": record.best_objective,
         "objective": record.objective,
         "parameters": record.parameters,
+        "search_evaluations": record.search_evaluations,
+        "answer_evaluations": record.answer_evaluations,
     }

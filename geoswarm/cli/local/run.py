@@ -163,7 +163,8 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
 
         def on_generation(record: GenerationRecord) -> None:
             last[:] = [record]
-            update(record.evaluations, record.number, record.objective)
+            stage = record.search_evaluations, record.answer_evaluations
+            update(record.evaluations, record.number, record.objective, *stage)
 
         try:
             yield on_generation

@@ -37,7 +37,7 @@ def run_here(
         result = calibrate(
             problem,
             workers=workers,
-            on_generation=lambda record: update(record.evaluations, record.number, record.objective),
+            on_generation=lambda record: update(record.evaluations, record.number, record.objective, None, None),
         )
     if folder is not None:
         place = folder / within

@@ -11,8 +11,9 @@ from geoswarm.cli.words.output import number, progress_console
 
 __all__ = ["Update", "progress_bar"]
 
-Update: TypeAlias = Callable[[int, int, float | None], None]
-"""Called with evaluations so far, number of the last finished generation, best objective so far."""
+Update: TypeAlias = Callable[[int, int, float | None, int | None, int | None], None]
+"""Called with evaluations so far, number of the last finished generation, best objective so far, and evaluations of a
+search that has ended with how many may follow it."""
 
 
 @contextmanager
@@ -27,7 +28,7 @@ def progress_bar(name: str, planned: int | None) -> Iterator[Update]:
         Largest number of evaluations, or None: then the bar only shows that something happens.
     """
     if not sys.stderr.isatty():
-        yield lambda _evaluations, _generation, _objective: None
+        yield lambda *_: None
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -40,9 +41,16 @@ def progress_bar(name: str, planned: int | None) -> Iterator[Update]:
     with Progress(*columns, console=progress_console(), transient=True) as bars:
         task = bars.add_task(name, total=planned, counts="starting")
 
-        def update(evaluations: int, generation: int, objective: float | None) -> None:
-            of = f" of at most {planned}" if planned else ""
-            counts = f"{evaluations}{of} evaluations, generation {generation}, best objective {number(objective)}"
-            bars.update(task, completed=evaluations, counts=counts)
+        def update(
+            evaluations: int, generation: int, objective: float | None, searched: int | None, following: int | None
+        ) -> None:
+            if searched is None or following is None:
+                of = f" of at most {planned}" if planned else ""
+                counts = f"{evaluations}{of} evaluations, generation {generation}"
+            else:
+                bars.update(task, total=searched + following)
+                done = evaluations - searched
+                counts = f"searched in {searched} evaluations, intervals: {done} of at most {following}"
+            bars.update(task, completed=evaluations, counts=f"{counts}, best objective {number(objective)}")
 
         yield update

@@ -141,11 +141,13 @@ def follow(client: Client, job: Job) -> Job:
     from geoswarm.client import JobFailedError
 
     with progress_bar(job.name, job.max_evaluations) as update:
-        update(job.evaluations, job.generations, job.objective)
+        update(job.evaluations, job.generations, job.objective, job.search_evaluations, job.answer_evaluations)
 
         def on_event(event: Event) -> None:
             if event.kind == "generation":
-                update(event.data["evaluations"], event.data["number"], event.data["objective"])
+                told = event.data
+                stage = told.get("search_evaluations"), told.get("answer_evaluations")  # none in events of 0.1
+                update(told["evaluations"], told["number"], told["objective"], *stage)
             elif event.kind == "versions":
                 note(f"Warning: {event.data['message']}")
             elif event.kind == "kernels":

@@ -92,9 +92,8 @@ def _parameter_rows(
         if isinstance(parameter, FreeParameter):
             interval = None if linearisation is None else linearisation["parameters"][name]["interval"]
             said = verdicts.get(name, "")
-            for bound, side in ((parameter.lower, "lower"), (parameter.upper, "upper")):
-                if values[name] == bound:
-                    said = f"{said}, at its {side} bound" if said else f"at its {side} bound"
+            if (bound := parameter.bound_at(values[name])) is not None:
+                said = f"{said}, at its {bound} bound" if said else f"at its {bound} bound"
             low, high = ("-", "-") if interval is None else ends(*interval)
         else:
             said = f"= {parameter.expression.text}" if isinstance(parameter, LinkedParameter) else "fixed"

@@ -175,6 +175,11 @@ class Statistics:
         found = self.linearisation
         return {name: None if found is None else found.interval(name) for name in self.samples.names}
 
+    @property
+    def kinds(self) -> dict[str, str]:
+        """Kind of the verdict on each free parameter."""
+        return {verdict.parameter: verdict.kind for verdict in self.verdicts}
+
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, without the samples themselves; None for what is not known."""
         filtered = self.filtered

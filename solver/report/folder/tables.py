@@ -65,8 +65,8 @@ def summary_document(problem: Problem, result: CalibrationResult, statistics: St
         "objective": result.objective,
         "parameters": result.parameters,
         "intervals": None if statistics is None else statistics.intervals,
-        "verdicts": None if statistics is None else {one.parameter: one.kind for one in statistics.verdicts},
-        "search_best": _search_best(problem, result),
+        "verdicts": None if statistics is None else statistics.kinds,
+        "search_best": None if result.answer is None else result.answer.search_best(problem),
         "evaluations": result.evaluations,
         "generations": result.generations,
         "seconds": result.seconds,
@@ -122,14 +122,6 @@ def result_document(
             },
         },
     }
-
-
-def _search_best(problem: Problem, result: CalibrationResult) -> dict[str, Any] | None:
-    if result.answer is None:
-        return None
-    at = result.answer.parts[0].document["at"]
-    parameters = problem.values([at[name] for name in problem.free_names])
-    return {"objective": result.answer.objective, "parameters": parameters}
 
 
 def write_result(

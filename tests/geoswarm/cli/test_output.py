@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import json
+import time
 from collections import Counter
 
 import pytest
 
 from geoswarm.cli.service.failures import show_failures
+from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from tests.geoswarm.records.made import evaluation
 
@@ -85,3 +88,22 @@ def test_what_others_wrote_cannot_steer_the_terminal(capsys: pytest.CaptureFixtu
     assert "\x07" not in captured.out + captured.err
     assert "first\\nsecond\\x1b[2J" in captured.out
     assert "  | out\\x1b[31m\n  | next" in captured.out
+
+
+def test_a_terminal_shows_the_search_and_then_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "160")
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    with progress_bar("clay", 600) as update:
+        update(24, 3, 0.5, None, None)
+        time.sleep(0.2)  # drawn ten times a second
+        update(52, 9, 0.25, 40, 47)
+        time.sleep(0.2)
+    shown = terminal.getvalue()
+    assert "24 of at most 600 evaluations, generation 3, best objective 0.5" in shown
+    assert "searched in 40 evaluations, intervals: 12 of at most 47, best objective 0.25" in shown

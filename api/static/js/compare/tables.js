@@ -1,6 +1,6 @@
 // Tables with one column a job.
 import { element } from "../dom.js";
-import { age, amount, count, duration, number, plain, symbol, withUnit } from "../format.js";
+import { age, amount, count, duration, ends, number, plain, symbol, withUnit } from "../format.js";
 
 function table(caption, loaded, rows) {
   const head = element("tr", {}, element("td", {}), loaded.map(({ job }) => element("th", { scope: "col", class: "n" }, job.name)));
@@ -39,7 +39,7 @@ export function factsTable(loaded, { objectives, reweighted }) {
   ]);
 }
 
-/** Value of every parameter that any of the jobs has; those that differ by more than a hundredth stand out. */
+/** Value of every parameter that any of the jobs has, with interval and verdict; those that differ by more than a hundredth stand out. */
 export function parametersTable(loaded) {
   const names = [...new Set(loaded.flatMap(({ fit }) => fit.parameters.map(({ name }) => name)))];
   const rows = names.map((name) => {
@@ -50,10 +50,18 @@ export function parametersTable(loaded) {
     const cells = infos.map((info, i) => [
       number(values[i] ?? info?.value, 5),
       info && info.form !== "free" ? element("small", {}, ` ${info.form}`) : null,
+      info?.form === "free" ? certainty(loaded[i].job, name) : null,
     ]);
     return [withUnit(symbol(name), infos.find(Boolean)?.unit), cells, values.map((value) => spread && value !== undefined)];
   });
   return table("Values that differ by more than 1 % are bold.", loaded, rows);
+}
+
+/** Interval, verdict and bound of a value, as far as its job knows them. */
+function certainty({ intervals, verdicts, at_bounds: bounds }, name) {
+  const interval = intervals?.[name];
+  const parts = [interval && ends(...interval, 3), verdicts && plain(verdicts[name]), bounds?.[name] && `at its ${bounds[name]} bound`].filter(Boolean);
+  return parts.length ? element("small", {}, element("br"), parts.join(", ")) : null;
 }
 
 /** The value that all share, null where they differ. */
