@@ -130,10 +130,9 @@ A job ends after the generation in which a criterion is satisfied; all satisfied
 ANSWER = """
 When a search ends, the job goes on with the runs that its result needs: the last steps to the minimum, sensitivities
 and intervals there, a look at other basins that the search came across, and profiles where the model is nonlinear.
-They follow an accelerated swarm, and any search if you give a number. `max_evaluations` and `max_seconds` of
-`stopping` hold for the whole job: the search leaves 15 evaluations for each free parameter to these runs, and at most a
-quarter of evaluations and time. See
-[statistics](statistics.md).
+They follow every search: swarms, with and without a response surface, and differential evolution. `max_evaluations` and
+`max_seconds` of `stopping` hold for the whole job: the search leaves 15 evaluations for each free parameter to these
+runs, and at most a quarter of evaluations and time. See [statistics](statistics.md).
 
 ```yaml
 answer: {max_evaluations: 40}

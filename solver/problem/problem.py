@@ -118,9 +118,8 @@ class Problem:
 
     @property
     def answers(self) -> bool:
-        """Whether the runs that its result needs follow the search; ``auto``: where a search keeps residuals."""
-        wanted = self.answer.max_evaluations
-        if self.method.role != "search" or wanted == "off" or (wanted == "auto" and not self.method.learns):
+        """Whether the runs that its result needs follow the search."""
+        if self.method.role != "search" or self.answer.max_evaluations == "off":
             return False
         return self.counted_points >= len(self.free) and not all(p.integer for p in self.free)
 

@@ -107,11 +107,26 @@ def test_stop_criteria_hold_for_search_and_answer_together() -> None:
     assert short.answer is None  # 9 runs do not fit beside a generation of 8
 
 
-def test_a_plain_swarm_and_a_sampling_end_as_before() -> None:
-    plain = problem_of(method={"kind": "particle_swarm", "particles": 8, "acceleration": "none"})
-    assert calibrate(plain).answer is None
-    wanted = parse_problem(plain.document() | {"answer": {"max_evaluations": 40}})
-    assert after(calibrate(wanted)) > 0
+PLAIN = [{"kind": "particle_swarm", "particles": 8, "acceleration": "none"}, {"kind": "differential_evolution"}]
+
+
+@pytest.mark.parametrize("method", PLAIN, ids=["swarm", "differential_evolution"])
+def test_a_plain_search_ends_with_its_answer(method: dict[str, Any]) -> None:
+    problem = problem_of(method=method)
+    result = calibrate(problem)
+    assert after(result) > 0
+    accelerated = calibrate(problem_of())
+    assert result.objective == pytest.approx(accelerated.objective, rel=1e-4)
+    one, other = (report_of_result(problem, found).statistics for found in (result, accelerated))
+    assert one is not None
+    assert other is not None
+    assert {verdict.kind for verdict in one.verdicts} == {"identified"}
+    for name, interval in other.intervals.items():
+        assert interval is not None
+        assert one.intervals[name] == pytest.approx(interval, rel=1e-3)
+
+
+def test_a_sampling_ends_as_before() -> None:
     sampled = {"method": {"kind": "monte_carlo", "samples": 40}, "stopping": {}, "answer": {"max_evaluations": 40}}
     assert calibrate(problem_of(**sampled)).answer is None
 
