@@ -132,7 +132,8 @@ When a search ends, the job goes on with the runs that its result needs: the las
 and intervals there, a look at other basins that the search came across, and profiles where the model is nonlinear.
 They follow every search: swarms, with and without a response surface, and differential evolution. `max_evaluations` and
 `max_seconds` of `stopping` hold for the whole job: the search leaves 15 evaluations for each free parameter to these
-runs, and at most a quarter of evaluations and time. See [statistics](statistics.md).
+runs, and at most a quarter of evaluations and time; one without a response surface leaves a quarter. See
+[statistics](statistics.md).
 
 ```yaml
 answer: {max_evaluations: 40}

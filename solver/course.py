@@ -236,7 +236,8 @@ def _of_search(calibration: Calibration, criteria: Sequence[StopCriterion]) -> S
     kept: list[StopCriterion] = []
     for criterion in criteria:
         if isinstance(criterion, MaxEvaluations):
-            share = problem.answer.share_of(criterion.limit, calibration.space.dimension)
+            free, learns = calibration.space.dimension, problem.method.learns
+            share = problem.answer.share_of(criterion.limit, free, learns=learns)
             criterion = MaxEvaluations(criterion.limit - share)
         elif isinstance(criterion, MaxSeconds):
             criterion = MaxSeconds(criterion.limit * SHARE_OF_SEARCH)

@@ -82,10 +82,16 @@ class Answering(BaseModel):
             return max(search // 3, 5 * free, _QUICK_RUNS if quick else 0)
         return 0 if self.max_evaluations == "off" else self.max_evaluations
 
-    def share_of(self, limit: int, free: int) -> int:
-        """Return how many of so many evaluations of a job its search leaves to the runs after it."""
-        wanted = _LEFT_TO_AUTO * free if self.max_evaluations == "auto" else self.most(free, 0)
-        left = min(wanted, limit - int(SHARE_OF_SEARCH * limit))
+    def share_of(self, limit: int, free: int, *, learns: bool) -> int:
+        """Return how many of so many evaluations of a job its search leaves to the runs after it.
+
+        A quarter at most; a search that learns knows more of the space, and each of its runs is worth more.
+        """
+        quarter = limit - int(SHARE_OF_SEARCH * limit)
+        wanted = self.most(free, limit - quarter)
+        if self.max_evaluations == "auto":
+            wanted = _LEFT_TO_AUTO * free if learns else quarter
+        left = min(wanted, quarter)
         return left if left > 4 * free else 0  # the sensitivities alone take 4 d + 1
 
 
