@@ -12,7 +12,7 @@ __all__ = ["decay_document", "decay_problem"]
 
 
 def decay_document(**changes: Any) -> dict[str, Any]:
-    """An exponential decay with amplitude 3, rate 0.7 and exact data; ``changes`` replace whole sections."""
+    """An exponential decay with amplitude 3, rate 0.7 and exact data, the search alone; ``changes`` replace whole sections."""
     x = np.linspace(0.0, 5.0, 21)
     document: dict[str, Any] = {
         "name": "decay",
@@ -24,6 +24,7 @@ def decay_document(**changes: Any) -> dict[str, Any]:
         "observations": [{"series": "y", "points": {"x": x.tolist(), "y": (3.0 * np.exp(-0.7 * x)).tolist()}}],
         "method": {"kind": "particle_swarm", "particles": 8, "acceleration": "none"},
         "stopping": {"max_evaluations": 800, "target_objective": 1e-8},
+        "answer": {"max_evaluations": "off"},
         "seed": 11,
     }
     return {key: value for key, value in (document | changes).items() if value is not None}
