@@ -255,20 +255,20 @@ def laboratory_rows(values: Mapping[str, float], problem: Problem, units: Mappin
 
 def polished_rows(report: Report, published: Mapping[str, float], units: Mapping[str, str]) -> list[Row]:
     """Return rows with the least-squares optimum near the swarm's best and its confidence intervals."""
-    optimum = report.optimum
-    if optimum is None:
+    statistics = report.statistics
+    if statistics is None or statistics.linearisation is None:
         return []
-    rows = []
-    values = dict(zip(report.problem.free_names, optimum.polished.parameters.tolist(), strict=True))
+    found, rows = statistics.linearisation, []
+    values = dict(zip(found.names, found.optimum.tolist(), strict=True))
     for name, value in published.items():
         if name not in values:
             continue
-        interval = optimum.linearisation.interval(name)
+        interval = found.interval(name)
         remark = "no interval" if interval is None else f"95 % interval {' to '.join(ends(*interval, plain=True))}"
         if interval is not None:
             remark += ", holds the published value" if interval[0] <= value <= interval[1] else ""
         rows.append(row("swarm, polished", name, value, values[name], unit=units.get(name, ""), remark=remark))
-    objective = optimum.polished.objective
+    objective = report.lowest_objective
     return [
         *rows,
         row("swarm, polished", "objective", None, objective, unit="m²", remark="noise alone: 2.5e-9 m² a series"),

@@ -9,13 +9,11 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.identifiability import Linearisation
-from geoswarm.solver.identifiability.optimum.polish import Polished
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.system.versions import versions
 
-__all__ = ["BestFit", "Optimum", "RunRecord", "environment", "record_of_result"]
+__all__ = ["BestFit", "RunRecord", "environment", "record_of_result"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,20 +26,6 @@ class BestFit:
     parameters: dict[str, float]
     misfits: dict[str, float]
     responses: dict[str, FloatArray]
-
-
-@dataclass(frozen=True, slots=True)
-class Optimum:
-    """The best fit after polishing, what the data determine there, and the minima of other explored basins.
-
-    ``elsewhere``: their parameters, shape (d,), natural values, and objectives; ``looked``: where the descents to them
-    began.
-    """
-
-    polished: Polished
-    linearisation: Linearisation
-    elsewhere: tuple[tuple[FloatArray, float], ...] = ()
-    looked: tuple[FloatArray, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,10 @@ __all__ = ["decay_document", "decay_problem"]
 
 
 def decay_document(**changes: Any) -> dict[str, Any]:
-    """An exponential decay with amplitude 3, rate 0.7 and exact data, the search alone; ``changes`` replace whole sections."""
+    """An exponential decay with amplitude 3, rate 0.7 and exact data, by the search alone.
+
+    ``changes`` replace whole sections.
+    """
     x = np.linspace(0.0, 5.0, 21)
     document: dict[str, Any] = {
         "name": "decay",

@@ -297,7 +297,7 @@ class _LocalRun:
 
     def explore(self, runs: int, noise: Noise) -> Findings:
         from geoswarm.solver.identifiability.stored.exploring import explore_problem
-        from geoswarm.solver.report.document.build import linearise_here, linearise_stored
+        from geoswarm.solver.report.document.build import linearise_stored
         from geoswarm.solver.report.folder.folder_findings import findings_of_folder
         from geoswarm.solver.report.folder.reading import run_of_folder
 
@@ -305,9 +305,7 @@ class _LocalRun:
         samples = run_of_folder(self.folder).samples
         found = findings_of_folder(self.folder, self.problem, noise=noise).linearisation
         if found is None and samples.size:
-            optimum = linearise_here(self.problem, samples, self.seed, noise=noise)
-            stored = linearise_stored(self.problem, samples, self.seed, noise=noise)
-            found = stored if optimum is None else optimum.linearisation
+            found = linearise_stored(self.problem, samples, self.seed, noise=noise)
         return self._run(explore_problem(self.problem, samples, found, seed=self.seed, runs=runs), noise)
 
     def influence(self, kind: Literal["sobol", "morris"], samples: int | None) -> Findings:

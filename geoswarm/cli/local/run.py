@@ -117,7 +117,7 @@ def run_command(
         show_result(loaded, result, statistics)
     if folder is not None:
         with kept(folder, problem):
-            written = write_output(loaded, result, folder, report, figures=not without_figures)
+            written = write_output(result, folder, report, figures=not without_figures)
         if not as_json:
             echo_facts(None, {"written to": str(output), "files": _listed(written)})
     if result.state == "failed":

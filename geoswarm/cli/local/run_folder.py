@@ -14,7 +14,6 @@ from geoswarm.cli.words.result import show_fit, show_values
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Offer
-    from geoswarm.solver.identifiability.optimum.polish import Polished
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.progress.result import CalibrationResult
     from geoswarm.solver.report.document.build import Report
@@ -26,7 +25,6 @@ _SUMMARY = (
     *("state", "stop_reasons", "objective", "parameters", "intervals", "verdicts", "search_best"),
     *("evaluations", "generations", "seconds", "seed"),
 )
-_WORTH = 1e-3  # a relative decrease of the objective that is told
 
 
 def open_folder(
@@ -131,26 +129,10 @@ def kept(folder: RunFolder | None, problem: Path) -> Iterator[None]:
         folder.close()
 
 
-def write_output(
-    problem: Problem, result: CalibrationResult, folder: RunFolder, report: Report | None, *, figures: bool
-) -> list[Path]:
+def write_output(result: CalibrationResult, folder: RunFolder, report: Report | None, *, figures: bool) -> list[Path]:
     """Write all files of a result; without figures the tables only."""
     written = folder.finish(result, report)
     if report is not None and figures:
         written += report.save(folder.folder)
-    if report is not None and report.optimum is not None:
-        _tell_polished(problem, report.optimum.polished)
     folder.complete()
     return written
-
-
-def _tell_polished(problem: Problem, polished: Polished) -> None:
-    """Say that further runs for the report found a better fit than the search, where it is worth a word."""
-    if polished.objective >= polished.start_objective * (1.0 - _WORTH):
-        return
-    values = problem.values(polished.parameters.tolist())
-    better = ", ".join(f"{name} = {number(values[name], 5)}" for name in problem.free_names)
-    note(
-        f"Note: the search had not reached the minimum. Polished with {polished.evaluations} further runs: objective "
-        f"{number(polished.start_objective)} to {number(polished.objective)} at {better} (polished in result.json)"
-    )

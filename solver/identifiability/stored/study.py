@@ -216,7 +216,6 @@ def analyse(
     at_optimum: Mapping[str, FloatArray] | None = None,
     elsewhere: Sequence[tuple[FloatArray, float]] = (),
     left: Sequence[tuple[FloatArray, float]] = (),
-    looked: Sequence[FloatArray] = (),
     bins: int = 30,
 ) -> Statistics:
     """Analyse stored evaluations; runs no forward calculation.
@@ -236,8 +235,6 @@ def analyse(
         Parameters, natural values, and objectives of minima in other basins, beyond the samples.
     left
         The same of runs of descents that did not end. They may fit as well, but do not show that a basin is none.
-    looked
-        Where the descents to them began, natural values.
     bins
         Of the projections.
 
@@ -279,7 +276,7 @@ def analyse(
         every = (*elsewhere, *left)
         others = other_fits(samples, linearisation, equal, lowest, every)
         unseen = Unseen.of(samples, linearisation, lowest, elsewhere)
-        found = [samples.to_unit(place) for place in (*looked, *(other.parameters for other in others))]
+        found = [samples.to_unit(place) for place in (other.parameters for other in others)]
         unfinished = unseen.unfinished(equal - lowest, found)
         basins = Basins(
             others,

@@ -23,7 +23,7 @@ from geoswarm.solver.report.document.scope import not_modelled
 from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
-from geoswarm.solver.report.record import BestFit, Optimum, RunRecord, method_in_words
+from geoswarm.solver.report.record import BestFit, RunRecord, method_in_words
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset
 
@@ -63,7 +63,6 @@ def report_content(
     record: RunRecord,
     statistics: Statistics | None,
     figures: FigureSet,
-    optimum: Optimum | None = None,
     uncertainty: Uncertainty = NOTHING_FURTHER,
 ) -> Content:
     """Put together what a report says.
@@ -76,8 +75,6 @@ def report_content(
         The statistics; None when there are none, because no evaluation has succeeded for example.
     figures
         Those that can be drawn.
-    optimum
-        Polished and linearised, where somebody made it.
     uncertainty
         What follow-ups and a posterior sample have found.
     """
@@ -95,7 +92,7 @@ def report_content(
     follow_up = follow_up_of(problem)
     judged = follow_up is None or uncertainty.findings.linearisation is not None
     cards = (
-        tuple(_card(statistics, name, labels, record, optimum, uncertainty) for name in problem.free_names)
+        tuple(_card(statistics, name, labels, record, uncertainty) for name in problem.free_names)
         if judged and statistics is not None
         else ()
     )
@@ -118,7 +115,7 @@ def report_content(
             )
         ),
         pictures=tuple(_picture(figures, name) for name in figures.names),
-        tables=tuple(_tables(problem, record, statistics, labels, optimum, uncertainty)),
+        tables=tuple(_tables(problem, record, statistics, labels, uncertainty)),
         provenance=tuple(_provenance(problem, record).items()),
         problem=_listing(_short(problem.document())),
         figures=figures,
@@ -151,14 +148,13 @@ def _card(
     name: str,
     labels: dict[str, ParameterLabel],
     record: RunRecord,
-    optimum: Optimum | None,
     uncertainty: Uncertainty,
 ) -> Card:
     verdict = statistics.verdict(name)
     value = None if record.best is None else record.best.parameters[name]
     label = labels[name]
     remark = ""
-    polished = _polished(optimum, uncertainty, record.best)
+    polished = _polished(uncertainty, record.best)
     if polished is not None:
         remark = f"polished; best evaluation {_quantity(value, label.unit)}"
         value = polished[name]
@@ -175,11 +171,9 @@ def _card(
     )
 
 
-def _polished(optimum: Optimum | None, uncertainty: Uncertainty, best: BestFit | None) -> dict[str, float] | None:
+def _polished(uncertainty: Uncertainty, best: BestFit | None) -> dict[str, float] | None:
     """Free parameters at the polished optimum; None where nobody went there, or it is the best evaluation itself."""
     findings = uncertainty.findings
-    if optimum is not None:
-        return dict(zip(optimum.linearisation.names, optimum.polished.parameters.tolist(), strict=True))
     known = (findings.start_objective, None if best is None else best.objective)
     if findings.linearisation is None or findings.objective is None or findings.objective in known:
         return None
@@ -202,14 +196,13 @@ def _tables(
     record: RunRecord,
     statistics: Statistics | None,
     labels: dict[str, ParameterLabel],
-    optimum: Optimum | None,
     uncertainty: Uncertainty,
 ) -> list[Table]:
     tables = []
     best = record.best
     if best is not None:
-        tables.append(_parameter_table(problem, best, statistics, labels, optimum, uncertainty))
-        tables += _laboratory_tables(problem, best, statistics, _polished(optimum, uncertainty, best))
+        tables.append(_parameter_table(problem, best, statistics, labels, uncertainty))
+        tables += _laboratory_tables(problem, best, statistics, _polished(uncertainty, best))
         unit = objective_unit(problem)
         rows = [
             (
@@ -244,12 +237,11 @@ def _parameter_table(
     best: BestFit,
     statistics: Statistics | None,
     labels: dict[str, ParameterLabel],
-    optimum: Optimum | None,
     uncertainty: Uncertainty,
 ) -> Table:
     rows = []
     doubt = _doubt(statistics)
-    values, free = best.parameters, _polished(optimum, uncertainty, best)
+    values, free = best.parameters, _polished(uncertainty, best)
     polished = None if free is None else problem.values([free[name] for name in problem.free_names])
     for name, parameter in problem.parameters.items():
         label = labels[name]
@@ -269,12 +261,10 @@ def _parameter_table(
     if statistics is not None and statistics.linearisation is not None:
         note += f" {typeset(where_intervals_hold(statistics.basins.hidden))}"
     if polished is not None:
-        p = uncertainty.findings if optimum is None else optimum.polished
-        unit = objective_unit(problem)
-        how = "in a follow-up job" if optimum is None else f"with {optimum.polished.evaluations} further forward runs"
+        findings, unit = uncertainty.findings, objective_unit(problem)
         note += (
-            f" Polished by least squares, objective {_quantity(p.start_objective, unit)} of the best evaluation to "
-            f"{_quantity(p.objective, unit)}, {how}; intervals belong there."
+            f" Polished by least squares, objective {_quantity(findings.start_objective, unit)} of the best evaluation "
+            f"to {_quantity(findings.objective, unit)}, in a follow-up job; intervals belong there."
         )
     return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)
 

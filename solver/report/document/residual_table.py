@@ -20,7 +20,7 @@ def residual_table(statistics: Statistics) -> Table:
         rows.append((*cells, number(r.durbin_watson, 3), *outliers))
     usual = ("series", "points", "deviation", "bias", "runs of expected", "Durbin-Watson")
     headings = (*usual, "outliers") if robust else usual
-    where = "polished optimum" if statistics.residuals_at_optimum else "best evaluation"
+    where = "minimum" if statistics.residuals_at_optimum else "best evaluation"
     note = f"Residuals of the {where} in base units; Durbin-Watson is 2 for independent residuals."
     note += " Outliers: points to which the loss gives a weight below a third." if robust else ""
     return Table("Residuals", headings, tuple(rows), tuple(range(1, len(headings))), note)

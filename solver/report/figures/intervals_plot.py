@@ -86,7 +86,7 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
                     markersize=4.5,
                     color=ORANGE,
                     linestyle="none",
-                    label="polished optimum",
+                    label="minimum",
                 )
             axes.plot(
                 row.best,

@@ -20,7 +20,7 @@ from geoswarm.solver.identifiability.stored.posterior import sample_posterior
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.progress.result import GenerationRecord
-from geoswarm.solver.report.document.build import Report, linearise_here, linearise_stored
+from geoswarm.solver.report.document.build import Report, linearise_stored
 from geoswarm.solver.report.folder.folder_findings import evaluations_of_folder, findings_of_folder
 from geoswarm.solver.report.folder.folder_tables import column, read_table
 from geoswarm.solver.report.folder.tables import parameter_column
@@ -97,8 +97,6 @@ def report_of_folder(
 ) -> Report:
     """Make the report of a run that was written to a folder, with what its follow-ups have found.
 
-    A swarm's optimum is polished and examined anew, unless a follow-up did so.
-
     Parameters
     ----------
     threshold
@@ -125,16 +123,13 @@ def report_of_folder(
         raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
     swarm = problem.method.role == "search" and samples.size > 0
     examine = swarm and findings.linearisation is None
-    optimum = linearise_here(problem, samples, seed, noise=noise) if examine and stored.answer is None else None
-    stored_runs = examine and optimum is None
     sample = sample_posterior(Calibration(problem, seed), samples, noise=noise) if posterior else None
     return Report(
         problem,
         stored.record,
         samples,
         threshold=threshold,
-        optimum=optimum,
-        linearisation=linearise_stored(problem, samples, seed, noise=noise) if stored_runs else None,
+        linearisation=linearise_stored(problem, samples, seed, noise=noise) if examine else None,
         noise=noise,
         uncertainty=Uncertainty(findings, sample),
     )

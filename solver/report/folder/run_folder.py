@@ -113,9 +113,9 @@ class RunFolder(Journal):
 
         ``report``: its intervals and verdicts, and what it found beyond the search.
         """
-        statistics, optimum = (None, None) if report is None else (report.statistics, report.optimum)
+        statistics = None if report is None else report.statistics
         writers: dict[str, Callable[[Path], None]] = {
-            "result.json": lambda path: write_result(path, self.problem, result, statistics, optimum),
+            "result.json": lambda path: write_result(path, self.problem, result, statistics),
             "problem.json": lambda path: write_problem(path, self.problem, result.seed),
             "evaluations.csv": lambda path: write_evaluations(path, self.problem, result),
             "generations.csv": lambda path: write_generations(path, self.problem, result),

@@ -17,7 +17,6 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.report.document.laboratory import calculated_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
-from geoswarm.solver.report.record import Optimum
 from geoswarm.solver.report.terms import values_in_terms
 from geoswarm.solver.system.versions import versions
 from geoswarm.solver.words import visible
@@ -78,21 +77,15 @@ def result_document(
     problem: Problem,
     result: CalibrationResult,
     statistics: Statistics | None = None,
-    optimum: Optimum | None = None,
 ) -> dict[str, Any]:
     """Return the whole result but its history, JSON-able; values in base units.
 
-    Beside :func:`summary_document`: where a report polished the best evaluation, ``polished`` has the parameters that
-    fit better, and how many further runs it took.
-    ``laboratory`` has the parameters of laboratory tests as Cc, Cs, C_alpha and preconsolidation stress, of the
-    polished parameters where there are any.
+    Beside :func:`summary_document`, ``laboratory`` has the parameters of laboratory tests as Cc, Cs, C_alpha and
+    preconsolidation stress.
     """
     best = result.best
-    polished = None if optimum is None else optimum.polished
-    values = result.parameters if polished is None else problem.values(polished.parameters.tolist())
-    linearisation = None if optimum is None else optimum.linearisation
-    if result.answer is not None and statistics is not None:
-        linearisation = statistics.linearisation
+    values = result.parameters
+    linearisation = None if statistics is None else statistics.linearisation
     return {
         "name": problem.name,
         **summary_document(problem, result, statistics),
@@ -100,12 +93,6 @@ def result_document(
         "error": result.error,
         "answer": None if result.answer is None else result.answer.plan(),
         "versions": dict(versions()),
-        "polished": polished
-        and {
-            "objective": polished.objective,
-            "parameters": problem.values(polished.parameters.tolist()),
-            "evaluations": polished.evaluations,
-        },
         "laboratory": [] if values is None else laboratory_document(values_in_terms(problem, values, linearisation)),
         "classical": laboratory_document(classical_values(problem)),
         "classical_of_calculated": []
@@ -129,10 +116,9 @@ def write_result(
     problem: Problem,
     result: CalibrationResult,
     statistics: Statistics | None = None,
-    optimum: Optimum | None = None,
 ) -> None:
     """Write :func:`result_document` as JSON."""
-    _write_json(path, result_document(problem, result, statistics, optimum))
+    _write_json(path, result_document(problem, result, statistics))
 
 
 def write_problem(path: Path, problem: Problem, seed: int) -> None:

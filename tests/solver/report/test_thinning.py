@@ -35,7 +35,7 @@ def test_extremes_and_ends_are_kept() -> None:
 @pytest.mark.slow
 def test_a_report_of_very_many_points_is_small() -> None:
     problem = many(200_000)
-    report = report_of_result(problem, calibrate(problem), linearise=False)
+    report = report_of_result(problem, calibrate(problem))
     assert len(report.html()) < 10e6
     assert len(report.pdf()) < 10e6
     assert report.figures.csv("fit").count("\n") <= MOST_SHOWN + 1
