@@ -49,8 +49,8 @@ class GenerationRecord:
     best_objective: float | None
     objective: float | None
     parameters: dict[str, float] | None
-    search_evaluations: int | None = None
-    answer_evaluations: int | None = None
+    search_evaluations: int | None = field(default=None, compare=False)
+    answer_evaluations: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

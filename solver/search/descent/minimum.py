@@ -211,7 +211,8 @@ class MinimumSearch:
         before = float(residuals @ residuals)
         small = max(_SMALL_GAIN, LOST_IN_NOISE / spare) if spare > 0 else _SMALL_GAIN
         worth = before - float(left @ left) > small * before and admissible(self._space, trial)
-        return trial if worth else None
+        move = self._space.to_unit(self._space.from_unit(trial)) - unit
+        return trial if worth and float(move @ move) > 0.0 else None  # below the spacing of floats it is no step
 
     @property
     def differences(self) -> tuple[StepSearch, int] | None:

@@ -70,7 +70,8 @@ def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Intervals are part of this search: a report calculates nothing further.
-    problem, output = write(tmp_path, method={"kind": "particle_swarm", "particles": 8}), tmp_path / "output"
+    method = {"kind": "particle_swarm", "particles": 8}
+    problem, output = write(tmp_path, method=method, answer=None), tmp_path / "output"
     cut_off(monkeypatch, problem, output, 21)
     said = capsys.readouterr().err
     assert f"20 finished runs are kept in {output / 'run.journal'}" in said

@@ -28,7 +28,8 @@ def write(folder: Path, **changes: Any) -> str:
 
 
 def test_json_has_exactly_the_agreed_keys(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", write(tmp_path), "--json"]) == 0
+    stopping = {"max_evaluations": 1200, "target_objective": 1e-8}
+    assert main(["run", write(tmp_path, answer=None, stopping=stopping), "--json"]) == 0
     captured = capsys.readouterr()
     document = json.loads(captured.out)
     assert list(document) == [*KEYS, "compile_seconds"]
@@ -85,7 +86,7 @@ def test_output_folder_holds_tables_figures_and_a_problem_that_runs_again(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "deep" / "output"
-    assert main(["run", write(tmp_path), "--output", str(folder), "--json"]) == 0
+    assert main(["run", write(tmp_path, answer=None), "--output", str(folder), "--json"]) == 0
     summary = json.loads(capsys.readouterr().out)
     figures = ("convergence", "fit", "intervals", "matrix", "traces")
     tables = ("evaluations.csv", "generations.csv", "problem.json", "responses.npz", "result.json")

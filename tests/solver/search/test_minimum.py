@@ -101,3 +101,16 @@ def test_nothing_follows_where_the_start_itself_fails() -> None:
     search, rows = followed(SPACE, lambda x: np.full(T.size, np.nan * x[0]), [2.0, 5.0], 100)
     assert len(rows) == 9
     assert search.ends is None
+
+
+def test_a_step_below_the_spacing_of_floats_is_none() -> None:
+    """Readings without error: the last steps are rounding, one came out as no step and made the derivatives nan."""
+    x = np.array([0.5, 2.0, 4.0])
+    start = [float.fromhex("0x1.038d34031cda3p+1"), float.fromhex("0x1.3eb5317cf82d2p+2")]
+    for factor in (1.0, 1.0 / np.sqrt(3.0)):
+        search, rows = followed(
+            box(2, 0.1, 10.0), lambda at, f=factor: f * (at[0] * x + at[1] - 2.0 * x - 5.0), start, 100
+        )
+        walk = search.walk(rows)
+        assert np.isfinite(walk.jacobian).all()
+        np.testing.assert_allclose(search.place(walk.row), [2.0, 5.0], rtol=1e-14)
