@@ -32,6 +32,7 @@ __all__ = ["begin_answer", "conclude", "go_on_answering"]
 
 _MOST_MINIMA = 4  # that sensitivities are calculated at
 _MOST_EXPLORATIONS = 4  # around one minimum, of twelve places or more each
+_MOST_JUDGED = 20_000  # runs of a search that verdicts are based on
 _BETTER = 1e-9  # relative decrease of the objective
 
 
@@ -122,9 +123,14 @@ def conclude(calibration: Calibration, progress: Progress, runs: Runs) -> Statis
     findings = answer_of(calibration, answer, _evaluations(calibration, progress, answer, runs))
     if findings.linearisation is None:
         return None
+    samples = _searched(calibration, answer, runs)
+    if samples.size > _MOST_JUDGED:  # the best, and others spread evenly
+        order = np.argsort(samples.objectives, kind="stable")
+        half = _MOST_JUDGED // 2
+        samples = samples.select(np.sort(np.append(order[:half], order[half :: -(-len(order) // half)])))
     return analyse(
         calibration,
-        _searched(calibration, answer, runs),
+        samples,
         linearisation=findings.linearisation,
         at_optimum=findings.responses,
         elsewhere=findings.explored,

@@ -121,7 +121,7 @@ class Course:
             raise ValueError("a search that learns needs the runs so far")
         told = np.array([np.inf if f is None else f for f in objectives], dtype=np.float64)
         found = progress.best is not None or bool(np.isfinite(told).any())
-        criteria = _of_search(self.calibration, limits) if found else limits
+        criteria = search_criteria(self.problem, limits) if found else limits
         if progress.answer is not None and runs is not None:
             from geoswarm.solver.answering import go_on_answering  # needs SciPy: not before a search has ended
 
@@ -228,18 +228,16 @@ def stop_criteria(stopping: Stopping) -> tuple[StopCriterion, ...]:
     return tuple(criteria)
 
 
-def _of_search(calibration: Calibration, criteria: Sequence[StopCriterion]) -> Sequence[StopCriterion]:
+def search_criteria(problem: Problem, criteria: Sequence[StopCriterion]) -> tuple[StopCriterion, ...]:
     """Return the criteria of a search that leaves a part of its evaluations and time to the runs after it."""
-    problem = calibration.problem
     if not problem.answers:
-        return criteria
+        return tuple(criteria)
     kept: list[StopCriterion] = []
     for criterion in criteria:
         if isinstance(criterion, MaxEvaluations):
-            free, learns = calibration.space.dimension, problem.method.learns
-            share = problem.answer.share_of(criterion.limit, free, learns=learns)
+            share = problem.answer.share_of(criterion.limit, len(problem.free), learns=problem.method.learns)
             criterion = MaxEvaluations(criterion.limit - share)
         elif isinstance(criterion, MaxSeconds):
             criterion = MaxSeconds(criterion.limit * SHARE_OF_SEARCH)
         kept.append(criterion)
-    return kept
+    return tuple(kept)

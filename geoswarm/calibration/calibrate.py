@@ -81,8 +81,8 @@ def calibrate(
     weighting, seed, name
         Weighting scheme; seed of all random numbers (chosen and reported if None); name of the calibration.
     quick_runs
-        True if runs of the function are so short that statistics and reports may make a few hundred more in this
-        process, for sensitivities and intervals at the optimum.
+        True if runs of the function are so short that up to 200 may follow a short search, for the minimum and
+        intervals there.
     workers
         Number of processes that share the evaluations.
     output

@@ -153,7 +153,7 @@ class Result:
     def statistics(self, *, threshold: float | None = None) -> Statistics:
         """Show what the data say about each parameter: verdicts, correlations, intervals (``docs/statistics.md``).
 
-        The same as ``geoswarm statistics DIR``: no further runs, unless the forward model is quick.
+        The same as ``geoswarm statistics DIR``: no further runs.
 
         Parameters
         ----------
@@ -206,8 +206,8 @@ class Result:
         ProblemError
             Lists every mistake in ``problem``.
         SolverError
-            There are no sensitivities at an optimum, which needs a quick model or dense runs; the error of a reading is
-            not known; or too few runs succeed.
+            There are no sensitivities at an optimum: the runs after the search did not suffice, or it had none; the
+            error of a reading is not known; or too few runs succeed.
         """
         report = self._with_noise(noise)
         return predict(report, problem, runs=runs, level=level, noise=noise, source=source, workers=workers)

@@ -19,7 +19,7 @@ from geoswarm.paper.study import (
     free,
     identified_rows,
     laboratory_rows,
-    polished_rows,
+    minimum_rows,
     row,
     sample,
 )
@@ -60,7 +60,7 @@ def run_isotropic(document: dict[str, Any], seeds: Sequence[int], tell: Tell) ->
         *_forward_rows(*forward),
         *_statistics_rows(sampling, line),
         *_swarm_rows(result),
-        *polished_rows(swarm, published["identified"], _UNITS),
+        *minimum_rows(swarm, published["identified"], _UNITS),
     ]
     reports = {"statistics": sampling.report, "swarm": swarm}
     return Study("B", "Isotropic compression test", _REMARKS, tuple(rows), tuple(_choices(sampling, line)), reports)

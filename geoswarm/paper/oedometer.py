@@ -19,7 +19,7 @@ from geoswarm.paper.study import (
     free,
     identified_rows,
     laboratory_rows,
-    polished_rows,
+    minimum_rows,
     row,
     sample,
 )
@@ -71,7 +71,7 @@ def run_oedometer(document: dict[str, Any], seeds: Sequence[int], tell: Tell) ->
         *_forward_rows(laboratory, identified),
         *_statistics_rows(sampling),
         *_swarm_rows(result),
-        *polished_rows(swarm, published["identified"], _UNITS),
+        *minimum_rows(swarm, published["identified"], _UNITS),
     ]
     reports = {"statistics": sampling.report, "swarm": swarm}
     return Study("A", "Oedometer test", _REMARKS, tuple(rows), tuple(choices), reports)

@@ -33,7 +33,7 @@ __all__ = [
     "free",
     "identified_rows",
     "laboratory_rows",
-    "polished_rows",
+    "minimum_rows",
     "row",
     "sample",
     "spread",
@@ -253,12 +253,11 @@ def laboratory_rows(values: Mapping[str, float], problem: Problem, units: Mappin
     return rows
 
 
-def polished_rows(report: Report, published: Mapping[str, float], units: Mapping[str, str]) -> list[Row]:
+def minimum_rows(report: Report, published: Mapping[str, float], units: Mapping[str, str]) -> list[Row]:
     """Return rows with the least-squares optimum near the swarm's best and its confidence intervals."""
-    statistics = report.statistics
-    if statistics is None or statistics.linearisation is None:
+    found, rows = report.uncertainty.findings.linearisation, []
+    if found is None:
         return []
-    found, rows = statistics.linearisation, []
     values = dict(zip(found.names, found.optimum.tolist(), strict=True))
     for name, value in published.items():
         if name not in values:
@@ -267,11 +266,11 @@ def polished_rows(report: Report, published: Mapping[str, float], units: Mapping
         remark = "no interval" if interval is None else f"95 % interval {' to '.join(ends(*interval, plain=True))}"
         if interval is not None:
             remark += ", holds the published value" if interval[0] <= value <= interval[1] else ""
-        rows.append(row("swarm, polished", name, value, values[name], unit=units.get(name, ""), remark=remark))
+        rows.append(row("swarm, minimum", name, value, values[name], unit=units.get(name, ""), remark=remark))
     objective = report.lowest_objective
     return [
         *rows,
-        row("swarm, polished", "objective", None, objective, unit="m²", remark="noise alone: 2.5e-9 m² a series"),
+        row("swarm, minimum", "objective", None, objective, unit="m²", remark="noise alone: 2.5e-9 m² a series"),
     ]
 
 

@@ -30,17 +30,21 @@ class Job:
     stop_reasons: list[str] = told("every stop criterion that was satisfied at the end")
     objective: Number = told("lowest objective f so far; null before the first success")
     parameters: dict[str, float] | None = told("all parameters (free, fixed, linked) at that objective")
-    at_bounds: dict[str, str] | None = told("free parameters that lie at a bound of their range: 'lower' or 'upper'")
+    at_bounds: dict[str, str] | None = told(
+        "free parameters that lie at a bound of their range: 'lower' or 'upper'", default=None
+    )
     intervals: dict[str, tuple[float, float] | None] | None = told(
-        "95 % intervals of the free parameters, where a search ended with them; null for one without an interval"
+        "95 % intervals of the free parameters, where a search ended with them; null for one without an interval",
+        default=None,
     )
     verdicts: dict[str, str] | None = told(
-        "kinds of the verdicts on the free parameters then; statistics have the sentences, and what follow-ups add"
+        "kinds of the verdicts on the free parameters then; statistics have the sentences, and what follow-ups add",
+        default=None,
     )
-    search_best: SearchBest | None = told("best of the search alone, where further runs followed it")
+    search_best: SearchBest | None = told("best of the search alone, where further runs followed it", default=None)
     evaluations: int = told("counted in finished generations")
-    search_evaluations: int | None = told("of the search, once it has ended and its answer follows")
-    answer_evaluations: int | None = told("at most so many follow the search")
+    search_evaluations: int | None = told("of the search, once it has ended and its answer follows", default=None)
+    answer_evaluations: int | None = told("at most so many follow the search", default=None)
     generations: int
     failed_evaluations: int
     created_at: datetime

@@ -20,8 +20,8 @@ class Progress:
     failed: int
     objective: Number = told("lowest objective so far, that of this generation included")
     evaluations: int = told("finished and failed runs of all generations, this one included")
-    search_evaluations: int | None = told("of the search, once it has ended and its answer follows")
-    answer_evaluations: int | None = told("at most so many follow the search")
+    search_evaluations: int | None = told("of the search, once it has ended and its answer follows", default=None)
+    answer_evaluations: int | None = told("at most so many follow the search", default=None)
     seconds: Number = told("recent mean time of a run; null before one has finished")
     workers: int = told("live workers that are free or run this job")
     seconds_left: Number = told(

@@ -252,7 +252,7 @@ class ForwardModelSpec(BaseModel, ABC):
 
     @property
     def quick(self) -> bool:
-        """Whether a report may make a few hundred further runs without asking: they take seconds on any machine.
+        """Whether up to 200 runs may follow a short search: they take seconds on any machine.
 
         A property of the model, not a measured time: results must not depend on the speed of a machine.
         """

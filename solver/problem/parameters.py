@@ -33,7 +33,7 @@ __all__ = [
 
 _NAME = re.compile(r"[^\W\d]\w*(?:\.[^\W\d]\w*)*")
 _MAX_NAME = 100
-_NEAR = 1e-3  # of a range: a value so near to its end lies at it
+_NEAR = 1e-6  # of a range: a value so near to its end lies at it
 Bound: TypeAlias = Literal["lower", "upper"]
 _RESERVED = {"and", "or", "not", *FUNCTIONS, *CONSTANTS}
 
@@ -53,7 +53,7 @@ class FreeParameter:
     integer: bool = False
 
     def bound_at(self, value: float) -> Bound | None:
-        """Return the bound that a value is nearer to than a thousandth of the range on its scale, else None."""
+        """Return the bound that a value lies at, to a millionth of the range on its scale; else None."""
         place = (value - self.lower) / (self.upper - self.lower)
         if self.scale == "log" and value > 0.0:
             place = math.log(value / self.lower) / math.log(self.upper / self.lower)

@@ -85,13 +85,13 @@ class Answering(BaseModel):
     def share_of(self, limit: int, free: int, *, learns: bool) -> int:
         """Return how many of so many evaluations of a job its search leaves to the runs after it.
 
-        A quarter at most; a search that learns knows more of the space, and each of its runs is worth more.
+        A quarter at most. A search that learns has a response surface, from which less is left to find.
         """
         quarter = limit - int(SHARE_OF_SEARCH * limit)
-        wanted = self.most(free, limit - quarter)
         if self.max_evaluations == "auto":
-            wanted = _LEFT_TO_AUTO * free if learns else quarter
-        left = min(wanted, quarter)
+            left = min(_LEFT_TO_AUTO * free, quarter) if learns else quarter
+        else:
+            left = min(self.most(free, 0), quarter)
         return left if left > 4 * free else 0  # the sensitivities alone take 4 d + 1
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from geoswarm.solver.errors import ProblemError
@@ -50,10 +51,13 @@ def test_a_job_that_ended_with_its_answer_goes_on_with_its_search(service: JobSe
     worker = make_worker()
     worker.serve(job_id)
     ended = service.get(job_id)
-    assert service.change_stopping(job_id, Stopping.model_validate(more)).state == "running"
+    assert set(ended.verdicts or {}) == {"a", "b"}
+    again = service.change_stopping(job_id, Stopping.model_validate(more))
+    assert (again.state, again.verdicts, again.search_evaluations) == ("running", None, None)
     worker.serve(job_id)
     view = service.get(job_id)
     assert view.state == "finished"
+    assert set(view.verdicts or {}) == {"a", "b"}
     assert ended.evaluations < view.evaluations <= 96
     history = recorded_history(service, job_id)
     alone = expected_history(line(observations=readings, stopping=more))
@@ -62,6 +66,42 @@ def test_a_job_that_ended_with_its_answer_goes_on_with_its_search(service: JobSe
     # asked for before the answer began; later ones have learnt from its runs, too
     following = slice(ended.evaluations, ended.evaluations + 6)
     assert [run[2] for run in history[following]] == [run[2] for run in alone[searched : searched + 6]]
+
+
+@pytest.mark.parametrize("method", METHODS, ids=["textbook", "accelerated"])
+def test_evaluations_too_few_for_new_intervals_are_refused(
+    service: JobService, make_worker: MakeWorker, method: dict[str, Any]
+) -> None:
+    readings = [{"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1.0, 3.1, 4.9, 7.05]}}]
+    asked = line(method=method, observations=readings, stopping={"max_evaluations": 80}, answer={})
+    job_id = service.submit(asked)[0].id
+    worker = make_worker()
+    worker.serve(job_id)
+    ended = service.get(job_id)
+    assert set(ended.verdicts or {}) == {"a", "b"}
+    for few in (ended.evaluations + 1, ended.evaluations + 8):
+        with pytest.raises(NothingLeftError, match="left to the runs after the search"):
+            service.change_stopping(job_id, Stopping(max_evaluations=few))
+    assert service.get(job_id) == ended
+    service.change_stopping(job_id, Stopping(max_evaluations=400))
+    worker.serve(job_id)
+    assert set(service.get(job_id).verdicts or {}) == {"a", "b"}
+
+
+def test_a_fault_of_the_statistics_leaves_the_result_of_a_job(
+    service: JobService, make_worker: MakeWorker, monkeypatch: Any, caplog: Any
+) -> None:
+    def broken(*_: object) -> None:
+        raise np.linalg.LinAlgError("SVD did not converge")
+
+    monkeypatch.setattr("geoswarm.solver.answering.conclude", broken)
+    readings = [{"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1.0, 3.1, 4.9, 7.05]}}]
+    job_id = service.submit(line(observations=readings, stopping={"max_evaluations": 80}, answer={}))[0].id
+    make_worker().serve(job_id)
+    view = service.get(job_id)
+    assert (view.state, view.intervals, view.verdicts) == ("finished", None, None)
+    assert view.search_best is not None
+    assert "SVD did not converge" in caplog.text
 
 
 def test_a_cancelled_job_goes_on_too(service: JobService, make_worker: MakeWorker, monkeypatch: Any) -> None:

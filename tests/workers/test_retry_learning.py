@@ -70,3 +70,28 @@ def test_who_has_seen_the_failures_goes_on_like_who_has_not(
         histories.append(recorded_history(service, job))
     assert 50 <= len(histories[0]) <= 60  # as many as the runs after the search need
     assert histories[0] == histories[1]
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_a_job_keeps_its_verdicts_until_a_failure_has_succeeded(
+    service: JobService, make_worker: MakeWorker, tmp_path: Path
+) -> None:
+    cured = tmp_path / "cured"
+    job = service.submit(failing_at_first(cured))[0].id
+    worker = make_worker()
+    worker.serve(job)
+    ended = service.get(job)
+    assert ended.state == "finished"
+    assert ended.failed_evaluations > 0
+    assert ended.verdicts is not None
+    service.retry_failed(job)
+    worker.serve(job)
+    assert service.get(job).verdicts == ended.verdicts  # they have failed again
+    cured.touch()
+    service.retry_failed(job)
+    worker.serve(job)
+    after = service.get(job)
+    assert after.state == "finished"
+    assert after.failed_evaluations == 0
+    assert after.verdicts is after.intervals is None  # statistics judge all evaluations
+    assert after.search_best == ended.search_best

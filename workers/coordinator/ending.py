@@ -12,11 +12,17 @@ from __future__ import annotations
 from sqlalchemy import Connection, update
 
 from geoswarm.records.states import ENDED_STATES, JOB_STATES
-from geoswarm.solver.course import stop_criteria
+from geoswarm.solver.course import search_criteria, stop_criteria
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.solver.progress.state import Progress
-from geoswarm.solver.progress.stopping import StopCriterion, SwarmStatus, satisfied_reasons
+from geoswarm.solver.progress.stopping import (
+    MaxEvaluations,
+    StopCriterion,
+    SwarmStatus,
+    evaluations_left,
+    satisfied_reasons,
+)
 from geoswarm.workers.access.quotas import check_quotas
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError
 from geoswarm.workers.queries.jobs import LockedJob, get_problem
@@ -92,9 +98,9 @@ def change_stopping(
 
 
 def _refuse_to_stand_still(locked: LockedJob, problem: Problem) -> None:
-    progress = Progress.from_json(unpack_json(locked.row.progress))
-    if locked.row.state != "cancelled":
-        progress = progress.going_on()
+    progress, criteria, room = Progress.from_json(unpack_json(locked.row.progress)), stop_criteria(problem.stopping), 0
+    if locked.row.state != "cancelled" and progress.answer is not None:
+        progress, criteria, room = progress.going_on(), search_criteria(problem, criteria), 4 * len(problem.free) + 1
     if not len(progress.positions):
         raise NothingLeftError(f"the search of job {locked.id} has nothing left to evaluate")
     status = SwarmStatus(
@@ -104,11 +110,15 @@ def _refuse_to_stand_still(locked: LockedJob, problem: Problem) -> None:
         objective=None if progress.best is None else progress.best.objective,
         stagnation=progress.stagnant(problem.method),
     )
-    reasons = satisfied_reasons(stop_criteria(problem.stopping), status) if progress.evaluations else ()
+    reasons = satisfied_reasons(criteria, status) if progress.evaluations else ()
+    left = evaluations_left(stop_criteria(problem.stopping), status.evaluations + status.next_evaluations)
+    if not reasons and left is not None and left < room:
+        reasons = (MaxEvaluations.reason,)  # no new intervals could follow, and those that it has would be lost
     if reasons:
         objective = "none" if status.objective is None else f"{status.objective:.6g}"
         raise NothingLeftError(
             f"job {locked.id} would end immediately by {', '.join(reasons)}: it has {status.evaluations} evaluations "
             f"and the next generation {status.next_evaluations} more, {status.seconds:.3g} s, objective {objective}, "
             f"{status.stagnation} generations without a lower one"
+            + ("; a part of the evaluations is left to the runs after the search" if room else "")
         )

@@ -296,8 +296,6 @@ class JobExchange:
         finished_at: Sequence[float],
         conclusion: Mapping[str, Any] | None = None,
     ) -> None:
-        best = None if (progress := transitions[-1].job.progress) is None else progress.best
-        problem = self.course.problem
         save_job(
             self.connection,
             self.locked,
@@ -305,7 +303,7 @@ class JobExchange:
             gap=self.settings.lease_seconds,
             typical_seconds=self.typical,
             finished_at=finished_at,
-            at_bounds=None if best is None else problem.at_bounds(problem.values(best.parameters.tolist())),
+            problem=self.course.problem,
             conclusion=conclusion,
         )
         self._job = transitions[-1].job

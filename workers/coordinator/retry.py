@@ -155,6 +155,8 @@ def finish_retry(
         "finished_at": locked.now if ended else None,
         "rung_at": None,
     }
+    if row.conclusion is not None and reasons.total() != row.failed_evaluations:  # statistics know more now
+        values["conclusion"] = pack_json(unpack_json(row.conclusion) | {"intervals": None, "verdicts": None})
     if best is not None and problem is not None:
         parameters = problem.values(best.parameters.tolist())
         values |= {
@@ -164,8 +166,6 @@ def finish_retry(
             "parameters": pack_json(parameters),
             "at_bounds": pack_json(problem.at_bounds(parameters)),
         }
-        if (best.generation, best.particle) != (row.best_generation, row.best_particle):
-            values["conclusion"] = None  # it is of another minimum
     connection.execute(update(jobs).where(jobs.c.id == locked.id).values(values))
     _refresh_generations(connection, locked)
     publish_state(connection, locked, target, unpack_json(row.stop_reasons), values["error"])

@@ -19,7 +19,7 @@ from sqlalchemy import Connection
 from geoswarm.records.states import ENDED_STATES, SERVED_STATES
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.course import Course
-from geoswarm.solver.errors import InfeasibleSpaceError, SolverError
+from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.problem import Stopping, parse_problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.progress.state import Progress
@@ -31,7 +31,7 @@ from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
 from geoswarm.workers.coordinator.together import Together
 from geoswarm.workers.coordinator.tries import expire_cell, give_back
 from geoswarm.workers.coordinator.work import AgentSide, Asked, Claim, Exchange, HandIn
-from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.queries.evaluations import (
     GenerationRows,
     count_failed,
@@ -369,8 +369,10 @@ def _conclusion(course: Course, transition: Transition, runs: Runs | None) -> di
 
     try:
         found = conclude(course.calibration, progress, runs)
-    except SolverError as error:
-        logger.warning("no intervals at the end of %s: %s", course.problem.name, error)
+    except StoreUnavailableError:
+        raise
+    except Exception:  # statistics must not take the result from a job whose runs have all ended
+        logger.exception("no intervals at the end of %s", course.problem.name)
         found = None
     intervals, verdicts = (None, None) if found is None else (found.intervals, found.kinds)
     return {"intervals": intervals, "verdicts": verdicts, "search_best": search_best}

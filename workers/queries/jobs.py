@@ -26,6 +26,7 @@ from sqlalchemy.dialects.postgresql import insert as postgresql_insert
 from sqlalchemy.dialects.sqlite import insert as sqlite_insert
 
 from geoswarm.records.states import ENDED_STATES
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import GenerationRecord
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.system.versions import versions
@@ -150,13 +151,13 @@ def save_job(
     gap: float,
     typical_seconds: float | None = None,
     finished_at: Sequence[float] = (),
-    at_bounds: Mapping[str, str] | None = None,
+    problem: Problem | None = None,
     conclusion: Mapping[str, Any] | None = None,
 ) -> None:
     """Write what transitions made of a locked job, with the generations that they recorded and their events.
 
-    ``finished_at`` gives the time of each recorded generation, by default now; ``at_bounds``, which of the best
-    parameters lie at a bound; ``conclusion``, what a job that ends says of them.
+    ``finished_at`` gives the time of each recorded generation, by default now; ``problem`` is needed with
+    generations; ``conclusion`` is what a job that ends says of its parameters.
     """
     before, after = locked.row, transitions[-1].job
     instructions = [instruction for transition in transitions for instruction in transition.instructions]
@@ -211,12 +212,13 @@ def save_job(
         if typical_seconds is not None:
             values["typical_seconds"] = typical_seconds
     if records and progress is not None and progress.best is not None:
+        found = records[-1].parameters
         values |= {
             "objective": progress.best.objective,
             "best_generation": progress.best.generation,
             "best_particle": progress.best.particle,
-            "parameters": pack_json(records[-1].parameters),
-            "at_bounds": pack_json(dict(at_bounds or {})),
+            "parameters": pack_json(found),
+            "at_bounds": None if problem is None or found is None else pack_json(problem.at_bounds(found)),
         }
     # Compare and set: the lock makes it certain, the condition proves it.
     condition = and_(jobs.c.id == locked.id, jobs.c.generation == before.generation, jobs.c.state == before.state)

@@ -283,11 +283,11 @@ class _LocalRun:
 
     def profile(self, at: dict[str, float] | None, parameters: list[str] | None, noise: Noise) -> Findings:
         from geoswarm.solver.identifiability.stored.follow_ups import profile_problem
-        from geoswarm.solver.report.folder.folder_findings import findings_of_folder
+        from geoswarm.solver.report.folder.reading import all_findings, run_of_folder
 
         found = None
         if self.folder is not None and at is None:
-            found = findings_of_folder(self.folder, self.problem, noise=noise).linearisation
+            found = all_findings(self.folder, run_of_folder(self.folder), noise=noise).linearisation
         if found is None:
             examined = self._sensitivities(at, None, True, noise)
             if examined.linearisation is None:
@@ -298,13 +298,12 @@ class _LocalRun:
     def explore(self, runs: int, noise: Noise) -> Findings:
         from geoswarm.solver.identifiability.stored.exploring import explore_problem
         from geoswarm.solver.report.document.build import linearise_stored
-        from geoswarm.solver.report.folder.folder_findings import findings_of_folder
-        from geoswarm.solver.report.folder.reading import run_of_folder
+        from geoswarm.solver.report.folder.reading import all_findings, run_of_folder
 
         assert self.folder is not None
-        samples = run_of_folder(self.folder).samples
-        found = findings_of_folder(self.folder, self.problem, noise=noise).linearisation
-        if found is None and samples.size:
+        stored = run_of_folder(self.folder)
+        samples, found = stored.samples, all_findings(self.folder, stored, noise=noise).linearisation
+        if found is None:
             found = linearise_stored(self.problem, samples, self.seed, noise=noise)
         return self._run(explore_problem(self.problem, samples, found, seed=self.seed, runs=runs), noise)
 
@@ -319,8 +318,9 @@ class _LocalRun:
         if at is None and self.folder is not None:
             from geoswarm.solver.report.folder.reading import run_of_folder
 
-            samples = run_of_folder(self.folder).samples
-            return np.asarray(samples.parameters[samples.best], dtype=np.float64)
+            best = run_of_folder(self.folder).record.best
+            if best is not None:
+                return np.array([best.parameters[name] for name in self.problem.free_names], dtype=np.float64)
         values = {p.name: p.initial for p in self.problem.free if p.initial is not None} | (at or {})
         names = self.problem.free_names
         missing = [name for name in names if name not in values]

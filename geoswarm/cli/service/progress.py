@@ -45,12 +45,12 @@ def progress_bar(name: str, planned: int | None) -> Iterator[Update]:
             evaluations: int, generation: int, objective: float | None, searched: int | None, following: int | None
         ) -> None:
             if searched is None or following is None:
-                of = f" of at most {planned}" if planned else ""
+                total, of = planned, f" of at most {planned}" if planned else ""
                 counts = f"{evaluations}{of} evaluations, generation {generation}"
             else:
-                bars.update(task, total=searched + following)
-                done = evaluations - searched
-                counts = f"searched in {searched} evaluations, intervals: {done} of at most {following}"
-            bars.update(task, completed=evaluations, counts=f"{counts}, best objective {number(objective)}")
+                total, done = searched + following, evaluations - searched
+                counts = f"search ended after {searched} evaluations, intervals: {done} of at most {following}"
+            text = f"{counts}, best objective {number(objective)}"
+            bars.update(task, total=total, completed=evaluations, counts=text)
 
         yield update

@@ -57,7 +57,7 @@ class PythonSpec(ForwardModelSpec):
         min_length=1, max_length=1000, description="what the function returns, by name, and in which units"
     )
     quick_runs: bool = Field(
-        False, description="whether its runs are so short that a report may make a few hundred more without asking"
+        False, description="whether its runs are so short that up to 200 may follow a short search, for intervals"
     )
     folder: str | None = Field(None, description="folder of the file; that of the problem file unless given")
     # What a canonical problem has beside: nobody writes it.

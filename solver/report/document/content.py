@@ -172,7 +172,7 @@ def _card(
 
 
 def _polished(uncertainty: Uncertainty, best: BestFit | None) -> dict[str, float] | None:
-    """Free parameters at the polished optimum; None where nobody went there, or it is the best evaluation itself."""
+    """Free parameters at the minimum that a follow-up found; None without one, or where it is the best evaluation."""
     findings = uncertainty.findings
     known = (findings.start_objective, None if best is None else best.objective)
     if findings.linearisation is None or findings.objective is None or findings.objective in known:
@@ -264,7 +264,7 @@ def _parameter_table(
         findings, unit = uncertainty.findings, objective_unit(problem)
         note += (
             f" Polished by least squares, objective {_quantity(findings.start_objective, unit)} of the best evaluation "
-            f"to {_quantity(findings.objective, unit)}, in a follow-up job; intervals belong there."
+            f"to {_quantity(findings.objective, unit)}, in a follow-up; intervals belong there."
         )
     return Table("Parameters", columns, tuple(rows), (1,) if polished is None else (1, 2), note)
 

@@ -15,7 +15,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability import Samples
-from geoswarm.solver.identifiability.stored.findings import answer_of, join_findings
+from geoswarm.solver.identifiability.stored.findings import Findings, answer_of, join_findings
 from geoswarm.solver.identifiability.stored.posterior import sample_posterior
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.progress.answer import Answer
@@ -27,7 +27,7 @@ from geoswarm.solver.report.folder.tables import parameter_column
 from geoswarm.solver.report.record import BestFit, RunRecord
 from geoswarm.solver.report.uncertainty import Uncertainty
 
-__all__ = ["FolderError", "StoredRun", "report_of_folder", "run_of_folder"]
+__all__ = ["FolderError", "StoredRun", "all_findings", "report_of_folder", "run_of_folder"]
 
 _NEEDED = ("problem.json", "result.json", "evaluations.csv", "generations.csv")
 
@@ -115,24 +115,38 @@ def report_of_folder(
     """
     stored = run_of_folder(folder)
     problem, samples, seed = stored.problem, stored.samples, stored.record.seed
-    try:
-        findings = findings_of_folder(folder, problem, noise=noise)
-        if stored.answer is not None:
-            findings = join_findings([findings, answer_of(Calibration(problem, seed), *stored.answer, noise=noise)])
-    except (KeyError, ValueError, TypeError) as error:
-        raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
-    swarm = problem.method.role == "search" and samples.size > 0
-    examine = swarm and findings.linearisation is None
+    findings = all_findings(folder, stored, noise=noise)
+    found = findings.linearisation or linearise_stored(problem, samples, seed, noise=noise)
     sample = sample_posterior(Calibration(problem, seed), samples, noise=noise) if posterior else None
     return Report(
         problem,
         stored.record,
         samples,
         threshold=threshold,
-        linearisation=linearise_stored(problem, samples, seed, noise=noise) if examine else None,
+        linearisation=found,
         noise=noise,
         uncertainty=Uncertainty(findings, sample),
     )
+
+
+def all_findings(folder: Path, stored: StoredRun, *, noise: Mapping[str, float] | float | None = None) -> Findings:
+    """Return what a run in a folder has found after its search, and its follow-ups there.
+
+    Raises
+    ------
+    FolderError
+        When a follow-up cannot be read.
+    StatisticsError
+        When the noise is wrong.
+    """
+    try:
+        findings = findings_of_folder(folder, stored.problem, noise=noise)
+        if stored.answer is None:
+            return findings
+        calibration = Calibration(stored.problem, stored.record.seed)
+        return join_findings([findings, answer_of(calibration, *stored.answer, noise=noise)])
+    except (KeyError, ValueError, TypeError) as error:
+        raise FolderError(f"follow-ups in {folder} cannot be read: {type(error).__name__}: {error}") from error
 
 
 def _record(

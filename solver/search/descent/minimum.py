@@ -178,15 +178,18 @@ class MinimumSearch:
         residuals = rows[at]
         for row, trial in enumerate(state.trials[: len(rows) - at - self._differences], at + self._differences):
             move, succeeded = self._space.to_unit(trial) - unit, bool(np.isfinite(rows[row]).all())
-            if succeeded:  # Broyden's update
+            length = float(move @ move)
+            if succeeded and length > 0.0:  # Broyden's update
                 miss = rows[row] - residuals - jacobian @ move
-                jacobian = jacobian + np.outer(miss, move) / float(move @ move)
+                jacobian = jacobian + np.outer(miss, move) / length
             better = succeeded and float(rows[row] @ rows[row]) < float(residuals @ residuals)
             damping, failed = (damping / 10.0, 0) if better else (max(10.0 * damping, _DAMPING), failed + 1)
             if better:
                 at, unit, residuals = row, unit + move, rows[row]
         over = failed >= _MOST_FAILED or len(state.trials) >= _MOST_TRIALS
         ahead = None if over else self._next_trial(unit, residuals, jacobian, damping)
+        if ahead is not None and np.array_equal(self._space.from_unit(ahead), self.place(at)):
+            ahead = None  # the step is below the spacing of floats
         return Walk(at, residuals, differences, _far(jacobian @ (unit - start), residuals, len(unit)), ahead)
 
     def _next_trial(
@@ -211,8 +214,7 @@ class MinimumSearch:
         before = float(residuals @ residuals)
         small = max(_SMALL_GAIN, LOST_IN_NOISE / spare) if spare > 0 else _SMALL_GAIN
         worth = before - float(left @ left) > small * before and admissible(self._space, trial)
-        move = self._space.to_unit(self._space.from_unit(trial)) - unit
-        return trial if worth and float(move @ move) > 0.0 else None  # below the spacing of floats it is no step
+        return trial if worth else None
 
     @property
     def differences(self) -> tuple[StepSearch, int] | None:

@@ -69,7 +69,6 @@ def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(tmp_path: Path
 def test_ctrl_c_says_what_is_kept_and_how_to_go_on(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Intervals are part of this search: a report calculates nothing further.
     method = {"kind": "particle_swarm", "particles": 8}
     problem, output = write(tmp_path, method=method, answer=None), tmp_path / "output"
     cut_off(monkeypatch, problem, output, 21)

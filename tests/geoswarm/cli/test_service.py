@@ -103,7 +103,7 @@ def test_list_and_show(service: Service, finished: str, capsys: pytest.CaptureFi
     assert shown["best"]["parameters"] == shown["parameters"]
     assert sorted(shown["best"]["responses"]["y"]) == ["x", "y"]
     assert shown["created_at"].endswith("Z")
-    assert shown["verdicts"] == {"amplitude": "undecided", "rate": "undecided"}  # a plain swarm calculates no intervals
+    assert shown["verdicts"] == {"amplitude": "undecided", "rate": "undecided"}  # by the search alone
     text = call(capsys, service, "show", finished)[0]
     for words in ("decay", "finished", "amplitude", "verdict", "undecided", "objective at or below the target"):
         assert words in text

@@ -111,6 +111,6 @@ def test_a_step_below_the_spacing_of_floats_is_none() -> None:
         search, rows = followed(
             box(2, 0.1, 10.0), lambda at, f=factor: f * (at[0] * x + at[1] - 2.0 * x - 5.0), start, 100
         )
-        walk = search.walk(rows)
-        assert np.isfinite(walk.jacobian).all()
-        np.testing.assert_allclose(search.place(walk.row), [2.0, 5.0], rtol=1e-14)
+        np.testing.assert_allclose(search.place(search.walk(rows).row), [2.0, 5.0], rtol=1e-14)
+        trials = [tuple(place) for place in search.snapshot()["trials"]]
+        assert len(set(trials)) == len(trials) > 0

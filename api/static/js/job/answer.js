@@ -12,7 +12,7 @@ const FITS = {
   gross_error: "without the readings that the others exclude, the model describes the data", lack_of_fit: "the model does not describe the data, so no interval holds",
   error_not_met: "the stated error is not met, so no interval holds", untested: "whether the model describes the data has not been tested",
 };
-const NEAR = 1e-3; // parts of the searched range
+const NEAR = 1e-6; // parts of the searched range, as in at_bounds of a job
 const AWAY = 0.5; // standard errors
 
 const listed = (names) => (names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`);

@@ -47,8 +47,9 @@ export function progress(view) {
     const { job } = view, { search_evaluations: searched, answer_evaluations: following } = found;
     const planned = searched === null ? job.max_evaluations : Math.min(searched + following, job.max_evaluations ?? Infinity);
     const here = found.pending + found.running + found.finished + found.failed;
+    const counted = planned ? `${count(found.evaluations)} of ${count(planned)} runs have ended` : `${count(found.evaluations)} runs have ended`;
     const parts = [
-      searched !== null ? `search ended after ${count(searched)} runs, intervals: ${count(found.evaluations - searched)} of at most ${count(planned - searched)}` : planned ? `${count(found.evaluations)} of ${count(planned)} runs have ended` : `${count(found.evaluations)} runs have ended`,
+      searched === null || job.retrying ? counted : `search ended after ${count(searched)} runs, intervals: ${count(found.evaluations - searched)} of at most ${count(planned - searched)}`,
       here ? `generation ${found.generation + 1}: ${count(found.finished + found.failed)} of ${count(here)}${found.running ? `, ${count(found.running)} running` : ""}` : null,
       found.objective === null ? (found.evaluations ? "none has succeeded yet" : null) : `lowest objective ${number(found.objective)}`,
       found.seconds_left === null ? null : `at most ${duration(found.seconds_left)} left`,
