@@ -31,6 +31,7 @@ PROBLEM = Path(__file__).parents[2] / "examples" / "oedometer" / "problem.yaml"
 WHOLE: dict[str, Any] = load_problem(PROBLEM).document() | {
     "method": {"kind": "particle_swarm", "particles": 10, "acceleration": "none"},
     "stopping": {"max_evaluations": 1590},
+    "answer": {"max_evaluations": "off"},
 }
 
 KEY = secrets.token_hex(16)
@@ -39,6 +40,7 @@ KEY = secrets.token_hex(16)
 ACCELERATED: dict[str, Any] = WHOLE | {
     "method": {"kind": "particle_swarm", "particles": 10, "acceleration": "response_surface"},
     "stopping": {"max_evaluations": 150},
+    "answer": {},
 }
 
 Bits = list[tuple[int, int, float | None, tuple[tuple[str, float], ...], tuple[float, ...]]]
