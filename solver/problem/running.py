@@ -9,7 +9,16 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from geoswarm.solver.errors import FailureReason
 
-__all__ = ["DEFAULT_RETRIES", "SHARE_OF_SEARCH", "Answering", "Failures", "Limits", "Policy", "fatal_message"]
+__all__ = [
+    "DEFAULT_RETRIES",
+    "SHARE_OF_SEARCH",
+    "Answering",
+    "Failures",
+    "Limits",
+    "Policy",
+    "fatal_message",
+    "least_answer",
+]
 
 Policy: TypeAlias = Literal["penalise", "fail"]
 
@@ -92,7 +101,12 @@ class Answering(BaseModel):
             left = min(_LEFT_TO_AUTO * free, quarter) if learns else quarter
         else:
             left = min(self.most(free, 0), quarter)
-        return left if left > 4 * free else 0  # the sensitivities alone take 4 d + 1
+        return left if left >= least_answer(free) else 0
+
+
+def least_answer(free: int) -> int:
+    """Return the number of runs that the sensitivities to so many free parameters take: differences of two sizes."""
+    return 4 * free + 1
 
 
 def fatal_message(generation: int, particle: int, reason: str, message: str | None) -> str:

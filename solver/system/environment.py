@@ -26,7 +26,18 @@ WIDER_BEFORE_2_4 = "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL
 ALLOWED = (
     *("PATH", "HOME", "USER", "LOGNAME", "SHELL", "HOSTNAME", "TMPDIR", "TEMP", "TMP", "TERM", "DISPLAY"),
     *("LANG", "LANGUAGE", "LC_*", "TZ", "TZDIR", "XDG_*"),
-    *("LD_LIBRARY_PATH", "VIRTUAL_ENV", "CONDA_PREFIX", "PYTHON*", "NUMBA_*", "OMP_*", "OPENBLAS_*", "MKL_*", "CUDA_*"),
+    *(
+        "LD_LIBRARY_PATH",
+        "VIRTUAL_ENV",
+        "CONDA_PREFIX",
+        "PYTHON*",
+        "NPY_*",
+        "NUMBA_*",
+        "OMP_*",
+        "OPENBLAS_*",
+        "MKL_*",
+        "CUDA_*",
+    ),
     *("SSL_CERT_FILE", "SSL_CERT_DIR", "GEOSWARM_MODELS"),
     # without these no program starts on Windows, or finds its libraries and its licence
     *("SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "COMSPEC", "PATHEXT", "USERNAME", "USERPROFILE", "COMPUTERNAME"),

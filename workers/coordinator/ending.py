@@ -15,6 +15,7 @@ from geoswarm.records.states import ENDED_STATES, JOB_STATES
 from geoswarm.solver.course import search_criteria, stop_criteria
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
+from geoswarm.solver.problem.running import least_answer
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.progress.stopping import (
     MaxEvaluations,
@@ -100,7 +101,8 @@ def change_stopping(
 def _refuse_to_stand_still(locked: LockedJob, problem: Problem) -> None:
     progress, criteria, room = Progress.from_json(unpack_json(locked.row.progress)), stop_criteria(problem.stopping), 0
     if locked.row.state != "cancelled" and progress.answer is not None:
-        progress, criteria, room = progress.going_on(), search_criteria(problem, criteria), 4 * len(problem.free) + 1
+        progress, criteria = progress.going_on(), search_criteria(problem, criteria)
+        room = least_answer(len(problem.free))
     if not len(progress.positions):
         raise NothingLeftError(f"the search of job {locked.id} has nothing left to evaluate")
     status = SwarmStatus(

@@ -7,6 +7,7 @@ from sqlalchemy import Connection
 from geoswarm.records.progress import FollowUpCost, FollowUpCosts
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability.stored.follow_ups import global_problem
+from geoswarm.solver.problem.running import least_answer
 from geoswarm.workers.queries.progress import free_workers, mean_seconds
 from geoswarm.workers.service.findings import EXPLORE_RUNS, parent_of
 from geoswarm.workers.service.job_service import JobService
@@ -43,7 +44,7 @@ def follow_up_costs(service: JobService, job_id: str) -> FollowUpCosts:
         seconds = None if each is None else each * runs / max(workers, 1)
         return FollowUpCost(kind=kind, evaluations=runs, exact=exact, seconds=seconds, refused=refused)  # type: ignore[arg-type]
 
-    sensitivity = 4 * free + 1 + 2 * free + _STEPS * (2 * free + 1)
+    sensitivity = least_answer(free) + 2 * free + _STEPS * (2 * free + 1)
     profile = _ALONG_PROFILE * free * free
     items = [
         cost("sensitivity", sensitivity, exact=False, refused=no_optimum),

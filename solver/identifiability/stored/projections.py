@@ -37,7 +37,7 @@ class Projection:
     counts
         Samples in each bin, shape (b,).
     best
-        Value of the parameter at the best sample.
+        Value of the parameter at the optimum where it is known, at the best sample otherwise.
     lowest, highest
         Least and largest value among the good fits; None without any.
     lower, upper

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -139,7 +139,7 @@ class Statistics:
     residuals
         At the best sample or the optimum, one a series; empty when responses are not stored.
     weights
-        Share of each series in the objective of the best sample.
+        Share of each series in the objective at the optimum, or of the best sample.
     warnings
         What to be careful about, in sentences.
     fit
@@ -256,10 +256,15 @@ def analyse(
     pearson = correlate(filtered.samples)
     pearson_search = correlate(filtered.samples, coordinates="search")
     projections = project(samples, filtered.threshold.value, bins=bins)
+    if linearisation is not None:  # the minimum is the result, not the best sample
+        result = linearisation.optimum.tolist()
+        projections = tuple(replace(one, best=value) for one, value in zip(projections, result, strict=True))
     best = samples.best
     at_best = at_optimum or {series: values[best] for series, values in samples.responses.items()}
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
+    if at_optimum:
+        misfits = calibration.objective.misfits(dict(at_optimum))
     fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
     warnings = [w for r in residuals for w in r.warnings] if fit.kind in ("untested", "error_not_met") else []
     if linearisation is not None:

@@ -296,10 +296,10 @@ class FigureSet:
                     float(samples.upper[index]),
                     samples.scales[index] == "log",
                     projection.best,
+                    linearisation is not None,
                     good,
                     None if linearisation is None else linearisation.interval(name),
                     0.95 if linearisation is None else linearisation.level,
-                    None if linearisation is None else float(linearisation.optimum[index]),
                     verdict.words,
                 )
             )

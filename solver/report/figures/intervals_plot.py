@@ -27,15 +27,15 @@ class IntervalRow:
         Name, symbol, unit.
     lower, upper, log
         Search range and whether it was searched on a log scale.
-    best
-        Value of the best evaluation.
+    value
+        At the minimum, or of the best evaluation.
+    at_minimum
+        Which of the two.
     good_fits
         5 % to 95 % of the good fits; None where there are too few, or only a swarm's.
     confidence, level
         Confidence interval at the optimum and its level; None where there is none, for a parameter that is not
         identifiable above all.
-    optimum
-        Polished value that the confidence interval belongs to, or None.
     remark
         Shown beside the parameter: the verdict.
     """
@@ -44,16 +44,16 @@ class IntervalRow:
     lower: float
     upper: float
     log: bool
-    best: float
+    value: float
+    at_minimum: bool
     good_fits: tuple[float, float] | None
     confidence: tuple[float, float] | None
     level: float
-    optimum: float | None
     remark: str
 
 
 def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
-    """Draw one band a parameter: search range, good fits, confidence interval, best value."""
+    """Draw one band a parameter: search range, good fits, confidence interval, value."""
     from matplotlib.figure import Figure
 
     with drawing():
@@ -78,25 +78,15 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
                     linewidth=2.0,
                     label=f"{row.level:.0%} interval at the optimum".replace("%", " %"),
                 )
-            if row.optimum is not None:
-                axes.plot(
-                    row.optimum,
-                    0.0,
-                    marker="o",
-                    markersize=4.5,
-                    color=ORANGE,
-                    linestyle="none",
-                    label="minimum",
-                )
             axes.plot(
-                row.best,
+                row.value,
                 0.0,
                 marker="D",
                 markersize=5.0,
                 color="white",
                 markeredgecolor="#000000",
                 linestyle="none",
-                label="best evaluation",
+                label="minimum" if row.at_minimum else "best evaluation",
             )
             plain_ticks(axes, "x", log=row.log, most=5)
             axes.set_yticks([])
@@ -119,13 +109,11 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
 
 def interval_rows(rows: Sequence[IntervalRow]) -> tuple[list[str], list[list[object]]]:
     """Return header and rows of the figure's numbers: one row a parameter."""
-    header = ["parameter", "unit", "lower", "upper", "scale", "best"]
-    header += ["good_fits_05", "good_fits_95", "interval_lower", "interval_upper", "level", "optimum", "verdict"]
+    header = ["parameter", "unit", "lower", "upper", "scale", "value"]
+    header += ["good_fits_05", "good_fits_95", "interval_lower", "interval_upper", "level", "verdict"]
     table: list[list[object]] = []
     for r in rows:
         good, sure = r.good_fits or (None, None), r.confidence or (None, None)
         scale = "log" if r.log else "linear"
-        table.append(
-            [r.label.name, r.label.unit, r.lower, r.upper, scale, r.best, *good, *sure, r.level, r.optimum, r.remark]
-        )
+        table.append([r.label.name, r.label.unit, r.lower, r.upper, scale, r.value, *good, *sure, r.level, r.remark])
     return header, table

@@ -190,8 +190,8 @@ def _scatter(
     samples = data.samples
     points = samples.parameters[shown]
     _draw(axes, points[:, column], points[:, row], samples.objectives[shown], good, norm)
-    best = samples.parameters[samples.best]
-    axes.plot(best[column], best[row], marker="+", color=ORANGE, markersize=9, markeredgewidth=1.6, zorder=5)
+    best = [data.projections[index].best for index in (column, row)]
+    axes.plot(*best, marker="+", color=ORANGE, markersize=9, markeredgewidth=1.6, zorder=5)
     _limits(axes, samples, column, "x")
     _limits(axes, samples, row, "y")
 

@@ -12,7 +12,7 @@ import pytest
 
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.system import environment
-from geoswarm.solver.system.environment import SWITCH, numerics, same_bits
+from geoswarm.solver.system.environment import SWITCH, clean_environment, numerics, same_bits
 
 V3 = frozenset({"avx2", "bmi2", "fma"})
 V4 = V3 | {"avx512f"}
@@ -22,8 +22,8 @@ from geoswarm.cli import main
 main(["--version"])
 assert "numpy" not in sys.modules
 import numpy, scipy.linalg
-from numpy._core._multiarray_umath import __cpu_features__
-wide = [name for name, there in __cpu_features__.items() if there and name.startswith(("AVX512", "X86_V4"))]
+from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+wide = [name for name in __cpu_dispatch__ if __cpu_features__[name] and name.startswith(("AVX512", "X86_V4"))]
 print(json.dumps([sorted({pool["architecture"] for pool in threadpoolctl.threadpool_info()}), wide]))
 """
 
@@ -52,6 +52,7 @@ def test_a_processor_is_limited_to_what_others_have(
     processor.setattr(environment, "_flags", lambda: flags)
     assert set(same_bits()) == limited
     assert set(numerics()) > limited
+    assert clean_environment(numerics()) == numerics()  # processes that these start get them too
 
 
 def test_numpy_knows_the_names_of_what_is_switched_off(processor: pytest.MonkeyPatch) -> None:
