@@ -43,6 +43,7 @@ def calibrate(
     stopping: Mapping[str, Any] | None = None,
     limits: Mapping[str, Any] | None = None,
     failures: Mapping[str, Any] | None = None,
+    answer: Mapping[str, Any] | None = None,
     weighting: str | None = None,
     quick_runs: bool | None = None,
     seed: int | None = None,
@@ -78,6 +79,8 @@ def calibrate(
         When to stop. If None, a function uses :data:`geoswarm.DEFAULT_STOPPING` and a problem its own criteria.
     limits, failures
         What one evaluation may use, and what happens when one fails.
+    answer
+        How many runs may follow the search, for the minimum and intervals there: ``{"max_evaluations": 50}``.
     weighting, seed, name
         Weighting scheme; seed of all random numbers (chosen and reported if None); name of the calibration.
     quick_runs
@@ -135,6 +138,7 @@ def calibrate(
         stopping=stopping,
         limits=limits,
         failures=failures,
+        answer=answer,
         weighting=weighting,
         quick_runs=quick_runs,
         seed=seed,

@@ -212,6 +212,7 @@ def test_every_option_of_a_problem_file_passes(tmp_path: Path) -> None:
         "stopping": {"max_seconds": 1000},
         "limits": {"seconds_per_evaluation": 3, "memory_mb": 1000},
         "failures": {"retry": {"timeout": 1}, "policy": {"not_finite": "fail"}},
+        "answer": {"max_evaluations": "off"},
         "weighting": "by_count",
         "seed": np.int64(3),
         "name": "all of them",
@@ -223,6 +224,7 @@ def test_every_option_of_a_problem_file_passes(tmp_path: Path) -> None:
     assert document["method"]["samples"] == 8
     assert document["limits"] == {"seconds_per_evaluation": 3.0, "memory_mb": 1000.0}
     assert document["failures"] == options["failures"]
+    assert document["answer"] == options["answer"]
     (given,) = document["observations"]
     assert given["points"]["x"] == [1.0, 2.0, 3.0, 9.0, 10.0]
     assert (given["x_unit"], given["y_unit"], given["error"], given["weight"]) == ("min", "mm", 100.0, 2.0)

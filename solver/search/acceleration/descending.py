@@ -22,6 +22,7 @@ __all__ = ["Descent", "base_of_simplex", "next_of_descent", "simplex"]
 _EDGE, _DRAWS = 0.3, 40  # of the unit box that the first run stays away from; tries
 _STEPS = (1.0, -1.0, 0.5, -0.5, 0.25, -0.25)  # along an axis, in lengths of the simplex
 _LEAST_GAIN, _SMALL = 1e-2, 0.02  # a promise that counts, in a box of at most that half width
+_LEAST_GAIN_OF_BEST = 1e-3  # the same around the best of all: a surface with few runs nearby promises too little
 _LEAST_GAIN_ABOVE, _SMALL_ABOVE = 0.1, 0.15  # the same where even the promise is above the best of all
 _SHORT, _SHORTENED = 0.05, 0.3  # a step of so few half widths narrows the box before it is made
 
@@ -56,7 +57,7 @@ def next_of_descent(arms: Arms, count: int) -> Descent:
         above = known.objectives[arms.centre] * (1.0 - gain) > known.objectives[0]
         if above and gain < _LEAST_GAIN_ABOVE and radius < _SMALL_ABOVE:
             break
-        if gain < _LEAST_GAIN:
+        if gain < (_LEAST_GAIN_OF_BEST if arms.first == 0 else _LEAST_GAIN):
             if radius < _SMALL and arms.missing() is None:
                 break
             arms.region = replace(arms.region, missed=True)

@@ -191,6 +191,7 @@ def test_what_the_service_offers(client: Client) -> None:
     assert model.json_schema["properties"]["kind"]["const"] == "oedometer"
     with pytest.raises(NotFoundError, match="known kinds: formula"):
         client.forward_model("odometer")
+    client.wait(client.submit(line_problem()).id, timeout=PATIENCE)  # the worker has started
     assert [worker.engine for worker in client.workers()] == ["embedded"]
     assert client.health().ok
 
