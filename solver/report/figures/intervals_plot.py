@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.labels import ParameterLabel
-from geoswarm.solver.report.figures.style import BLUE, GRID, ORANGE, drawing, head, plain_ticks
+from geoswarm.solver.report.figures.style import BLUE, GRID, INK, ORANGE, drawing, head, plain_ticks
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -82,9 +82,8 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
                 row.value,
                 0.0,
                 marker="D",
-                markersize=5.0,
-                color="white",
-                markeredgecolor="#000000",
+                markersize=3.0,
+                color=INK,
                 linestyle="none",
                 label="minimum" if row.at_minimum else "best evaluation",
             )
