@@ -97,6 +97,12 @@ def test_a_folder_with_a_run_that_was_cut_off_is_left_to_it(result: gs.Result, t
     assert (tmp_path / "run.journal").read_bytes() == left
 
 
+def test_writing_a_result_runs_nothing(result: gs.Result, line: Counted, tmp_path: Path) -> None:
+    before = line.runs
+    result.report(tmp_path)
+    assert line.runs == before > 0
+
+
 def test_columns_are_those_of_their_names_and_cannot_be_changed(result: gs.Result) -> None:
     with pytest.raises(ValueError, match="read-only"):
         result.runs["a"][0] = 0.0
