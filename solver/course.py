@@ -235,8 +235,7 @@ def search_criteria(problem: Problem, criteria: Sequence[StopCriterion]) -> tupl
     kept: list[StopCriterion] = []
     for criterion in criteria:
         if isinstance(criterion, MaxEvaluations):
-            share = problem.answer.share_of(criterion.limit, len(problem.free), learns=problem.method.learns)
-            criterion = MaxEvaluations(criterion.limit - share)
+            criterion = MaxEvaluations(criterion.limit - problem.left_to_answer(criterion.limit))
         elif isinstance(criterion, MaxSeconds):
             criterion = MaxSeconds(criterion.limit * SHARE_OF_SEARCH)
         kept.append(criterion)

@@ -20,7 +20,7 @@ from geoswarm.solver.external.python.loading import NOT_IMPORTED
 from geoswarm.solver.plausibility import require_possible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
-from geoswarm.solver.progress.result import GenerationRecord
+from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.progress.state import Progress, Step
 from geoswarm.solver.runs.evaluators import WATCHED
 from geoswarm.solver.runs.journal import Keeper
@@ -150,8 +150,20 @@ def calibrate(
     folder = None if output is None else opened_folder(Path(output), problem, resume=resume)
     run_seed = None if folder is None else folder.run.seed
     keeper = _Importable(folder or Keeper())
+
+    def on_search_end(found: CalibrationResult) -> None:
+        if folder is not None:
+            folder.search_ended(found, figures=lacking_for_reports() is None)
+
     with _closing(folder):
-        found = calibrate_problem(problem, workers=workers, seed=run_seed, on_generation=on_generation, keeper=keeper)
+        found = calibrate_problem(
+            problem,
+            workers=workers,
+            seed=run_seed,
+            on_generation=on_generation,
+            on_search_end=on_search_end,
+            keeper=keeper,
+        )
         result = Result(problem, found)
         if folder is not None:
             _write(folder, result)

@@ -97,7 +97,7 @@ class Result:
     @property
     def state(self) -> Literal["finished", "failed"]:
         """``finished``, or ``failed`` if no evaluation succeeded or a failure ended the calibration (``failures``)."""
-        return self.found.state
+        return "failed" if self.found.state == "failed" else "finished"
 
     @property
     def error(self) -> str | None:

@@ -135,6 +135,10 @@ class Problem:
         planned = self.method.planned(len(self.free))
         return min((n for n in (limit, planned) if n is not None), default=None)
 
+    def left_to_answer(self, limit: int) -> int:
+        """Return how many of so many evaluations the search leaves to the runs after it."""
+        return self.answer.share_of(limit, len(self.free), learns=self.method.learns) if self.answers else 0
+
     def values(self, free_values: Sequence[float]) -> dict[str, float]:
         """Values of all parameters, in the order of the problem file.
 

@@ -57,11 +57,12 @@ class GenerationRecord:
 class CalibrationResult:
     """Outcome of a calibration with its whole history.
 
-    ``state`` is ``failed`` when no evaluation succeeded; ``error`` then counts the reasons. ``answer``: where the runs
-    after the search began, if there were any; their evaluations are in the history.
+    ``state`` is ``failed`` when no evaluation succeeded; ``error`` then counts the reasons. It is ``running`` when more
+    runs follow: after the search, those of its answer. ``answer``: where the runs after the search began, if there were
+    any; their evaluations are in the history.
     """
 
-    state: Literal["finished", "failed"]
+    state: Literal["running", "finished", "failed"]
     stop_reasons: tuple[str, ...]
     objective: float | None
     parameters: dict[str, float] | None

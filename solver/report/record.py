@@ -51,7 +51,7 @@ class RunRecord:
     versions
         What the run was calculated under (:func:`geoswarm.solver.system.versions.versions`); None: not recorded.
     warnings
-        What to know about them, one sentence each.
+        What to know about the versions, or about runs that are missing, one sentence each.
     environment
         Names and versions of what made the report.
     """

@@ -23,12 +23,12 @@ from geoswarm.solver.progress.result import (
 )
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.evaluators import evaluator
-from geoswarm.solver.runs.journal import Keeper
+from geoswarm.solver.runs.journal import Keeper, Stored
 from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.solver.runs.under_way import UnderWay
 from geoswarm.solver.warm import compile_kernels
 
-__all__ = ["calibrate"]
+__all__ = ["calibrate", "result_so_far"]
 
 
 def calibrate(
@@ -37,6 +37,7 @@ def calibrate(
     workers: int = 1,
     seed: int | None = None,
     on_generation: Callable[[GenerationRecord], None] | None = None,
+    on_search_end: Callable[[CalibrationResult], None] | None = None,
     offer: Offer | None = None,
     keeper: Keeper | None = None,
     situations: Callable[[Situation, int], Situation] = lambda seen, _: seen,
@@ -54,6 +55,8 @@ def calibrate(
         Overrides the problem's seed; with neither a fresh one is chosen and reported.
     on_generation
         Called after every generation.
+    on_search_end
+        Called with what a search has found before the runs after it begin; the time that this takes does not count.
     offer
         Runs of earlier calibrations with the same forward model, for an accelerated search to learn from.
     keeper
@@ -123,8 +126,35 @@ def calibrate(
                 break
             if progress.answer is None and step.progress.answer is not None:
                 under_way.drop(step.progress.generation)
+                if on_search_end is not None:
+                    ended = time.monotonic()
+                    on_search_end(_result(problem, seed, step.progress, (), history, records, ended - began))
+                    began += time.monotonic() - ended
             progress = step.progress
     return _result(problem, seed, step.progress, step.stop_reasons, history, records, time.monotonic() - began)
+
+
+def result_so_far(problem: Problem, stored: Stored) -> CalibrationResult | None:
+    """Return what the whole generations in a journal give; None when there are none.
+
+    Parameters
+    ----------
+    problem
+        That of the journal.
+    """
+    history: list[EvaluationRecord] = []
+    records: list[GenerationRecord] = []
+    progress, step = stored.start, None
+    while progress is not None and (after := stored.steps.get(progress.generation)) is not None:
+        step = after
+        evaluations = [stored.evaluations[position.tobytes()] for position in progress.positions]
+        history += [EvaluationRecord(progress.generation, i, e) for i, e in enumerate(evaluations)]
+        objectives = [e.objective for e in evaluations]
+        records.append(generation_record(problem, progress.generation, objectives, step.progress))
+        progress = step.progress
+    if step is None:
+        return None
+    return _result(problem, stored.run.seed, step.progress, step.stop_reasons, history, records, stored.seconds)
 
 
 def _fatal(problem: Problem, generation: int, evaluations: Sequence[Evaluation]) -> str | None:
@@ -153,7 +183,7 @@ def _result(
         (r.evaluation for r in history if best and (r.generation, r.particle) == (best.generation, best.particle)), None
     )
     return CalibrationResult(
-        state="finished" if best else "failed",
+        state=("finished" if stop_reasons else "running") if best else "failed",
         stop_reasons=stop_reasons,
         objective=best.objective if best else None,
         parameters=problem.values(best.parameters.tolist()) if best else None,

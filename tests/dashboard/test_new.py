@@ -109,6 +109,7 @@ def check_and_start(page: Page) -> str:
     result = page.locator("#check-body")
     expect(result).to_contain_text("The forward calculation works", timeout=CALM)
     expect(result).to_contain_text("at most 60 evaluations, about")
+    expect(result).to_contain_text("the search leaves 15 of them for minimum and intervals")
     expect(result.locator(".panel .main-svg").first).to_be_visible()
     expect(result.get_by_role("figure")).to_have_attribute("aria-label", re.compile("226 readings and the test run"))
     check_accessibility(page)

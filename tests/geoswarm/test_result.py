@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -95,6 +96,29 @@ def test_a_folder_with_a_run_that_was_cut_off_is_left_to_it(result: gs.Result, t
         ):
             call()
     assert (tmp_path / "run.journal").read_bytes() == left
+
+
+def test_writing_a_result_runs_nothing(result: gs.Result, line: Counted, tmp_path: Path) -> None:
+    before = line.runs
+    result.report(tmp_path)
+    assert line.runs == before > 0
+
+
+def test_the_result_of_a_search_is_written_before_its_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(record: Any) -> None:
+        if record.search_evaluations not in (None, record.evaluations):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("geoswarm.solver.report.folder.run_folder._SHORT_ANSWER", 0.0)
+    model = Counted()
+    with pytest.raises(KeyboardInterrupt):
+        gs.calibrate(model, **OPTIONS, output=tmp_path, on_generation=interrupted)
+    early = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    assert (early["state"], early["intervals"]) == ("running", None)
+    assert (tmp_path / "report.html").is_file()
+    again = gs.calibrate(model, **OPTIONS, output=tmp_path, resume=True)
+    assert model.runs == len({one.evaluation.parameters.tobytes() for one in again.history})
+    assert again.state == json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["state"] == "finished"
 
 
 def test_columns_are_those_of_their_names_and_cannot_be_changed(result: gs.Result) -> None:

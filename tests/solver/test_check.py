@@ -8,9 +8,10 @@ import pytest
 
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.check import check_problem
+from geoswarm.solver.runs.local import calibrate
 
 
-def check(**changes: Any) -> Any:
+def line(**changes: Any) -> dict[str, Any]:
     document: dict[str, Any] = {
         "name": "line",
         "forward_model": {"kind": "formula", "series": {"y": {"expression": "a + b * x"}}},
@@ -20,7 +21,11 @@ def check(**changes: Any) -> Any:
         "stopping": {"max_evaluations": 60},
         "seed": 7,
     }
-    return check_problem(parse_problem(document | changes))
+    return document | changes
+
+
+def check(**changes: Any) -> Any:
+    return check_problem(parse_problem(line(**changes)))
 
 
 def test_numba_and_scipy_are_not_loaded_before_something_needs_them() -> None:
@@ -60,18 +65,19 @@ def test_a_failed_run_is_reported() -> None:
 
 
 @pytest.mark.parametrize(
-    ("method", "stopping", "planned"),
+    ("method", "stopping", "planned", "answer"),
     [
-        ("particle_swarm", {"max_evaluations": 60}, 60),
-        ("particle_swarm", {"target_objective": 1e-6}, None),
-        ("monte_carlo", {}, 500),
-        ("monte_carlo", {"max_evaluations": 100}, 100),
+        ("particle_swarm", {"max_evaluations": 60}, 60, 15),
+        ("particle_swarm", {"max_evaluations": 400}, 400, 30),
+        ("particle_swarm", {"target_objective": 1e-6}, None, None),
+        ("monte_carlo", {}, 500, 0),
+        ("monte_carlo", {"max_evaluations": 100}, 100, 0),
     ],
 )
-def test_planned_evaluations(method: str, stopping: dict[str, float], planned: int | None) -> None:
+def test_planned_evaluations(method: str, stopping: dict[str, float], planned: int | None, answer: int | None) -> None:
     section = {"kind": "monte_carlo", "samples": 500} if method == "monte_carlo" else {"kind": method, "particles": 6}
     report = check(method=section, stopping=stopping)
-    assert report.planned_evaluations == planned
+    assert (report.planned_evaluations, report.answer_evaluations) == (planned, answer)
     if planned is None:
         assert report.estimated_seconds is None
     elif method == "monte_carlo":
@@ -85,3 +91,10 @@ def test_the_estimate_is_never_above_the_time_limit() -> None:
     report = check(stopping={"max_evaluations": 4 * 10**8, "max_seconds": 0.5})
     assert report.estimated_seconds == 0.5
     assert check(stopping={"max_seconds": 30}).estimated_seconds == 30.0
+
+
+def test_a_search_leaves_what_the_check_has_said() -> None:
+    changes = {"method": {"kind": "particle_swarm", "particles": 5, "acceleration": "none"}}
+    answer = calibrate(parse_problem(line(**changes))).answer
+    assert answer is not None
+    assert 60 - answer.evaluations == check(**changes).answer_evaluations == 15

@@ -98,8 +98,21 @@ def run_command(
         return
     compile_seconds = ready(loaded)
     seed = seed if folder is None else folder.run.seed
+
+    def on_search_end(found: CalibrationResult) -> None:
+        if folder is not None and folder.search_ended(found, figures=not without_figures):
+            note(f"The search has ended, and its result is in {folder.folder}; runs for minimum and intervals follow")
+
     with kept(folder, problem), _reporting(loaded) as on_generation:
-        result = calibrate(loaded, workers=workers, seed=seed, on_generation=on_generation, offer=offer, keeper=folder)
+        result = calibrate(
+            loaded,
+            workers=workers,
+            seed=seed,
+            on_generation=on_generation,
+            on_search_end=on_search_end,
+            offer=offer,
+            keeper=folder,
+        )
     report = None
     if folder is not None or loaded.method.role == "search":
         from geoswarm.solver.report.document.build import report_of_result

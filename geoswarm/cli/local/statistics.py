@@ -68,6 +68,8 @@ def statistics_command(
         if report.statistics is None:
             raise BadInputError(f"{folder} holds no successful evaluation, so there is nothing to judge")
         found, document = jsonable(report.statistics.to_json()), report.problem.document()
+        for warning in report.record.warnings:
+            note(f"Note: {warning}")
     else:
         with connect(url, api_key) as client:
             job = find_calibration(client, source)

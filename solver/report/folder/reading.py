@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +23,12 @@ from geoswarm.solver.progress.result import GenerationRecord
 from geoswarm.solver.report.document.build import Report, linearise_stored
 from geoswarm.solver.report.folder.folder_findings import evaluations_of_folder, findings_of_folder
 from geoswarm.solver.report.folder.folder_tables import column, read_table
+from geoswarm.solver.report.folder.run_folder import JOURNAL
 from geoswarm.solver.report.folder.tables import parameter_column
-from geoswarm.solver.report.record import BestFit, RunRecord
+from geoswarm.solver.report.record import BestFit, RunRecord, record_of_result
 from geoswarm.solver.report.uncertainty import Uncertainty
+from geoswarm.solver.runs.journal import read_journal
+from geoswarm.solver.runs.local import result_so_far
 
 __all__ = ["FolderError", "StoredRun", "all_findings", "report_of_folder", "run_of_folder"]
 
@@ -50,24 +53,21 @@ class StoredRun:
 
 
 def run_of_folder(folder: Path) -> StoredRun:
-    """Read a run.
+    """Read a run, or what one has found so far whose search has ended.
 
     Parameters
     ----------
     folder
-        With problem.json, result.json, evaluations.csv, generations.csv; with responses.npz the evaluations can also be
-        re-weighted point by point.
+        With run.journal, or with problem.json, result.json, evaluations.csv, generations.csv; with responses.npz the
+        evaluations can also be re-weighted point by point.
 
     Raises
     ------
     FolderError
         When a file is missing or cannot be read.
     """
-    if (folder / "run.journal").is_file():
-        raise FolderError(
-            f"{folder} holds a run that was interrupted or is still running; 'geoswarm run {folder / 'problem.json'} "
-            f"--output {folder} --resume' continues with it"
-        )
+    if (folder / JOURNAL).is_file():
+        return _run_so_far(folder)
     missing = [name for name in _NEEDED if not (folder / name).is_file()]
     if missing:
         raise FolderError(
@@ -83,9 +83,31 @@ def run_of_folder(folder: Path) -> StoredRun:
             answer = Answer.from_plan(result["answer"])
             samples = samples.select(samples.generations < answer.generation)
             after = answer, evaluations_of_folder(folder, problem)[answer.evaluations :]
-    except (KeyError, ValueError, TypeError) as error:
+    except (KeyError, ValueError, TypeError, IndexError) as error:
         raise FolderError(f"{folder} cannot be read as a run: {type(error).__name__}: {error}") from error
     return StoredRun(problem, record, samples, after)
+
+
+def _run_so_far(folder: Path) -> StoredRun:
+    """Read a journal: nothing is said of an unfinished search, but of its answer what there is."""
+    remedy = f"'geoswarm run {folder / 'problem.json'} --output {folder} --resume' continues"
+    try:
+        stored = read_journal(folder / JOURNAL)
+        result = problem = None
+        if stored is not None:
+            problem = parse_problem({**stored.run.problem, "seed": stored.run.seed}, programs=True)
+            result = result_so_far(problem, stored)
+    except (KeyError, ValueError, TypeError) as error:
+        raise FolderError(f"{folder / JOURNAL} cannot be read: {type(error).__name__}: {error}") from error
+    if problem is None or result is None or (result.answer is None and not result.stop_reasons):
+        raise FolderError(f"{folder} holds a search that was interrupted or is still running; {remedy} it")
+    record, answer = replace(record_of_result(problem, result), finished_at=None, versions=None), result.answer
+    if not result.stop_reasons:
+        record = replace(record, warnings=(f"runs for minimum and intervals are missing: {remedy} them",))
+    samples = Samples.from_result(problem, result)
+    if answer is None:
+        return StoredRun(problem, record, samples)
+    return StoredRun(problem, record, samples, (answer, [e.evaluation for e in result.history[answer.evaluations :]]))
 
 
 def report_of_folder(

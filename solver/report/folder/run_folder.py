@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -37,6 +38,9 @@ __all__ = ["JOURNAL", "OtherRunError", "OutputError", "RunFolder", "open_run_fol
 JOURNAL = "run.journal"
 """In the folder until the run is finished: everything that has been run."""
 
+_SHORT_ANSWER = 60.0
+"""Runs after a search that take less than this [s] are waited for: a report takes seconds, too."""
+
 _LEFT_BY_AN_EARLIER_RUN = ("result.json", "responses.npz", "report.html", "report.pdf")
 
 
@@ -49,7 +53,7 @@ class OtherRunError(SolverError):
 
 
 class RunFolder(Journal):
-    """What a run writes, as it goes: problem.json, the journal, and after each generation the two tables.
+    """What a run writes, as it goes: problem.json, the journal, after each generation the two tables, then its result.
 
     Parameters
     ----------
@@ -107,6 +111,22 @@ class RunFolder(Journal):
         self._tables["evaluations.csv"].append(rows)
         record = generation_record(self.problem, generation, [e.objective for e in evaluations], step.progress)
         self._tables["generations.csv"].append([generation_row(self.problem, record)])
+
+    def search_ended(self, result: CalibrationResult, *, figures: bool) -> bool:
+        """Write what a search has found, without intervals and as ``running``; return whether it is written.
+
+        Not where as many runs as may follow take less than a minute, at the pace of the search.
+        """
+        answer = result.answer
+        if answer is None or answer.most * result.seconds < _SHORT_ANSWER * result.evaluations:
+            return False
+        self.finish(result)
+        if figures:
+            from geoswarm.solver.report.document.build import report_of_result
+
+            with _writing(self.folder):
+                report_of_result(self.problem, result).save(self.folder)
+        return True
 
     def finish(self, result: CalibrationResult, report: Report | None = None) -> list[Path]:
         """Write all tables of a result and return their files; the journal stays until :meth:`complete`.
@@ -174,7 +194,7 @@ def open_run_folder(
     except OSError as error:
         raise OutputError(f"{folder / JOURNAL}: {error.strerror}") from error
     if stored is None:
-        if resume and (folder / "result.json").is_file():
+        if resume and _ended(folder / "result.json"):
             return None
         return RunFolder(folder, problem, RunIdentity(document, choose_seed(wanted), _digest(offer)), None)
     if not resume:
@@ -190,6 +210,16 @@ def open_run_folder(
             f"the problem that it started with: {folder / 'problem.json'}"
         )
     return RunFolder(folder, problem, run, stored)
+
+
+def _ended(result: Path) -> bool:
+    """Whether a run has written its last result: not that of its search, whose journal was deleted to start over."""
+    try:
+        return bool(json.loads(result.read_text(encoding="utf-8"))["state"] != "running")
+    except FileNotFoundError:
+        return False
+    except (OSError, ValueError, KeyError, TypeError):
+        return True  # what is wrong with it is said where it is shown
 
 
 def _digest(offer: Offer | None) -> str | None:

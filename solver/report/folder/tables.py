@@ -96,8 +96,8 @@ def result_document(
         "laboratory": [] if values is None else laboratory_document(values_in_terms(problem, values, linearisation)),
         "classical": laboratory_document(classical_values(problem)),
         "classical_of_calculated": []
-        if values is None
-        else laboratory_document(calculated_values(problem, values, None)),
+        if values is None or best is None
+        else laboratory_document(calculated_values(problem, values, best.responses)),
         "index_properties": index_document(estimates_of(problem)),
         "best": best
         and {

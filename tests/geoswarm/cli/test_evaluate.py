@@ -127,17 +127,20 @@ def test_failed_forward_run_ends_with_its_reason(tmp_path: Path, capsys: pytest.
 
 
 def test_check_tells_test_run_and_cost(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = write(tmp_path)
+    path = write(tmp_path, answer={})
     assert main(["check", path, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["valid"] is True
-    assert document["planned_evaluations"] == 800
+    assert (document["planned_evaluations"], document["answer_evaluations"]) == (800, 200)
     assert document["data_points"] == 21
     assert document["test_run"]["state"] == "finished"
     assert main(["check", path]) == 0
     text = capsys.readouterr().out
     assert "decay: valid" in text
     assert "at most 800 evaluations" in text
+    assert "the search leaves 200 of them for minimum and intervals" in text.replace("\n", " ")
+    assert main(["check", write(tmp_path, answer={"max_evaluations": "off"})]) == 0
+    assert "intervals" not in capsys.readouterr().out
 
 
 def test_check_lists_every_mistake(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,13 +7,16 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from geoswarm.cli import main
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.runs.journal import read_journal
 from tests.contracts.repository import ROOT
 from tests.geoswarm.cli.interruptions import history
 from tests.solver.problems import decay_document
@@ -159,8 +162,103 @@ def test_results_are_printed_before_anything_is_written(
     assert f"{output / 'responses.npz'}: No space left on device" in captured.err
     assert "40 finished runs are kept" in captured.err
     assert "--resume" in captured.err
+    assert main(["statistics", str(output)]) == 0  # the journal has all runs
     assert main(["run", problem, "--output", str(output), "--resume"]) == 0
     assert (output / "responses.npz").exists()
+
+
+SLOW_MODEL = """
+import os, time
+import numpy as np
+
+def curve(x, amplitude, rate):
+    time.sleep(0.08)
+    with open(CALLS, "a") as calls:
+        calls.write(f"{amplitude!r} {rate!r}\\n")
+    return amplitude * np.exp(-rate * x)
+"""
+
+
+def write_slow(folder: Path) -> tuple[str, Path]:
+    """A problem whose answer may take more than a minute, and the file in which its function lists its calls."""
+    calls = folder / "calls.txt"
+    (folder / "slow.py").write_text(SLOW_MODEL.replace("CALLS", repr(str(calls))), encoding="utf-8")
+    model = {"kind": "python", "file": "slow.py", "function": "curve", "series": {"y": {}}}
+    x = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0]
+    path = folder / "problem.json"
+    document = decay_document(
+        forward_model=model,
+        observations=[{"series": "y", "points": {"x": x, "y": [3.02, 2.11, 1.43, 1.07, 0.74, 0.40, 0.17]}}],
+        method={"kind": "particle_swarm", "particles": 6},
+        stopping={"max_evaluations": 4000, "stagnation_generations": 3},
+        answer={"max_evaluations": 1000},
+    )
+    path.write_text(json.dumps(document), encoding="utf-8")
+    return str(path), calls
+
+
+def answered(journal: Path) -> int:
+    """Finished runs of the answer in a journal."""
+    stored = read_journal(journal) if journal.exists() else None
+    ends = [] if stored is None else [step.progress for step in stored.steps.values() if step.progress.answer]
+    return 0 if stored is None or not ends else len(stored.evaluations) - ends[0].evaluations
+
+
+@pytest.mark.timeout(600)
+def test_a_kill_in_the_answer_costs_the_runs_in_flight_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (problem, calls), output = write_slow(tmp_path), tmp_path / "output"
+    command = [sys.executable, "-c", "import sys; from geoswarm.cli import main; sys.exit(main(sys.argv[1:]))"]
+    arguments = ["run", problem, "--output", str(output)]
+    with subprocess.Popen([*command, *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as run:
+        while answered(output / "run.journal") < 4:
+            assert run.poll() is None
+            time.sleep(0.02)
+        run.kill()
+        said = run.communicate()[1].decode()
+    assert f"The search has ended, and its result is in {output}" in said
+    early = json.loads((output / "result.json").read_text(encoding="utf-8"))
+    assert (early["state"], early["intervals"], early["verdicts"]) == ("running", None, None)
+    assert early["parameters"] == early["search_best"]["parameters"]
+    assert early["evaluations"] == early["answer"]["parts"][0]["evaluations"]
+    assert all((output / name).is_file() for name in ("responses.npz", "report.html", "report.pdf", "fit.png"))
+
+    assert main(["statistics", str(output), "--json"]) == 0
+    captured = capsys.readouterr()
+    assert json.loads(captured.out)["samples"]["total"] == early["evaluations"]
+    assert f"--output {output} --resume' continues them" in captured.err
+    assert main(["report", str(output), "--html", "--output", str(tmp_path / "report")]) == 0
+    assert "continues them" in (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
+
+    stored = read_journal(output / "run.journal")
+    assert stored is not None
+    finished, before = set(stored.evaluations), len(calls.read_text(encoding="utf-8").splitlines())
+    assert before - len(finished) <= 1
+    assert main([*arguments, "--resume", "--workers", "2"]) == 0
+    again = calls.read_text(encoding="utf-8").splitlines()[before:]
+    assert 0 < len(again) == len(set(again))
+    assert not finished & {np.array([float(value) for value in line.split()]).tobytes() for line in again}
+    assert main(["run", problem, "--output", str(tmp_path / "whole")]) == 0
+    assert history(output) == history(tmp_path / "whole")
+
+
+def test_a_short_answer_is_waited_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, output = write(tmp_path, method={"kind": "particle_swarm", "particles": 8}, answer={}), tmp_path / "output"
+    cut_off(monkeypatch, problem, output, 35)
+    assert not (output / "result.json").exists()
+    assert main(["statistics", str(output)]) == 0
+    assert "continues them" in capsys.readouterr().err
+    monkeypatch.setattr("geoswarm.solver.report.folder.run_folder._SHORT_ANSWER", 0.0)
+    with monkeypatch.context() as patch:
+        interrupt_at(patch, 2)
+        assert main(["run", problem, "--output", str(output), "--resume"]) == 130
+    early = (output / "result.json").read_text(encoding="utf-8")
+    assert json.loads(early)["state"] == "running"
+    (output / "run.journal").unlink()
+    capsys.readouterr()
+    assert main(["run", problem, "--output", str(output), "--resume"]) == 0
+    assert "starting a new run" in capsys.readouterr().err
 
 
 def test_two_processes_do_not_run_into_one_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -76,7 +76,8 @@ def test_submit_wait_and_read_the_result(server: LiveServer, tmp_path: Path) -> 
 
     async def session() -> None:
         async with AsyncClient(server.url) as client:
-            assert (await client.check(tmp_path / "problem.json")).planned_evaluations == 60
+            checked = await client.check(line_problem(answer={}))
+            assert (checked.planned_evaluations, checked.answer_evaluations) == (60, 15)
             submitted = await client.submit(tmp_path / "problem.json", idempotency_key="async-1")
             assert (await client.submit(line_problem(), idempotency_key="async-1")).id == submitted.id
             job = await client.wait(submitted.id, timeout=PATIENCE, on_event=events.append)
