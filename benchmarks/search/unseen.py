@@ -51,9 +51,9 @@ UNSEEN: dict[str, Callable[[], Task]] = {
         0.1,
         "a * sin(2 * pi * f * x) + b * sin(2 * pi * g * x) + o",
         a=(linear(0, 3), 1.0),
-        f=(linear(0.1, 1.0), 0.6),
+        f=(linear(0.45, 0.75), 0.6),
         b=(linear(0, 3), 0.7),
-        g=(linear(1.0, 3.0), 1.7),
+        g=(linear(1.5, 1.9), 1.7),
         o=(linear(-2, 2), 0.3),
     ),
     "chirp": _made(
