@@ -50,8 +50,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: first.get(item.nodeid.split("/")[1], len(first)) if "/" in item.nodeid else -1)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection() -> None:
+    """Look for no garbage while tests are collected, which leaves none: a third of the time of collecting."""
+    gc.disable()
+
+
 def pytest_collection_finish() -> None:
     """Look for garbage seldom, and not among thousands of tests: a tenth of the time of a run."""
+    gc.enable()
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)
 
@@ -67,6 +74,17 @@ def zoo_models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
     return folder
+
+
+@pytest.fixture(scope="session")
+def sqlite_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file with all tables; each test has a copy of it, as making the tables takes longer than most tests."""
+    from geoswarm.workers.settings import Settings
+    from geoswarm.workers.store import Store
+
+    path = tmp_path_factory.mktemp("template") / "jobs.db"
+    Store(Settings(database_url=f"sqlite:///{path}")).close()
+    return path
 
 
 @pytest.fixture(scope="session")
