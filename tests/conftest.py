@@ -46,15 +46,41 @@ STARTERS = {
 }
 # Files that start processes of geoswarm through what they call.
 STARTING = {
-    *("api/test_catalogue.py", "api/test_metrics.py", "api/test_registered_models.py", "api/test_schemathesis.py"),
-    *("geoswarm/agent/test_runs.py", "solver/forward/programs/test_python_function.py"),
+    "api/test_catalogue.py",
+    "api/test_metrics.py",
+    "api/test_registered_models.py",
+    "api/test_schemathesis.py",
+    "geoswarm/agent/test_runs.py",
+    "solver/forward/programs/test_python_function.py",
+    "solver/search/test_accelerated_swarm.py",
+    "solver/test_answer.py",
 }
-# Files without such that took more than 5 s of processor time (on a machine of two cores, kernels compiled).
+# Files without such that took about 5 s of processor time or more, with compiled kernels.
 LENGTHY = {
-    *("attacks/test_text_growth.py", "examples/test_examples.py", "examples/test_reference_data.py"),
-    *("examples/test_slope.py", "api/test_jobs.py", "geoswarm/cli/test_run.py", "workers/test_ending.py"),
-    *("workers/test_runtime.py", "workers/test_worker.py", "solver/identifiability/test_basins.py"),
+    "api/test_jobs.py",
+    "attacks/test_text_growth.py",
+    "examples/test_examples.py",
+    "examples/test_reference_data.py",
+    "examples/test_slope.py",
+    "geoswarm/cli/test_model.py",
+    "geoswarm/cli/test_run.py",
+    "geoswarm/cli/test_statistics.py",
+    "geoswarm/test_python_interface.py",
+    "geoswarm/test_result.py",
     "solver/external/inputs/test_template.py",
+    "solver/identifiability/test_basins.py",
+    "solver/identifiability/test_posterior.py",
+    "solver/report/test_extent.py",
+    "solver/report/test_figures.py",
+    "solver/search/acceleration/test_trust_region.py",
+    "solver/search/test_ending.py",
+    "solver/search/test_integers.py",
+    "verification/fem/test_strength_change.py",
+    "verification/nist/test_nist_fits.py",
+    "verification/test_cases.py",
+    "workers/test_ending.py",
+    "workers/test_runtime.py",
+    "workers/test_worker.py",
 }
 
 from tests import servers  # noqa: E402
