@@ -19,7 +19,7 @@ export PYTHON
 # Where Python may not keep what it compiles, each of the thousands of processes of the tests compiles all libraries.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup servers servers-all engines engines-all demo test test-all check docs format lock bench clean
+.PHONY: help setup servers servers-all engines engines-all demo test test-fast test-all check docs format lock bench clean
 
 help:  ## list the commands
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## */  make \1\t/' | expand -t 20
@@ -72,6 +72,9 @@ format: $(INSTALLED)  ## put the sources in the house's format and renew the gen
 
 test: setup servers engines check  ## all checks and the tests, without the long studies
 	@$(TESTS) --jobs $(JOBS) -m "not slow"
+
+test-fast: setup check  ## all checks and the quick tests that start no server, browser or process
+	@$(TESTS) --jobs $(JOBS) -m "fast and not slow"
 
 test-all: setup servers-all engines-all check  ## all checks and all tests, with the long studies
 	@$(TESTS) --jobs $(JOBS) -m "slow or not slow"

@@ -37,21 +37,86 @@ LONGEST = (
     "api",
 )
 
+# What starts a server, a browser or geoswarm: a fixture, a name that the module of a test imports, a parameter.
+STARTERS = {
+    *("postgres_server", "redis_server", "postgresql", "browser", "engine", "server", "embedded", "full", "site"),
+    *("receiver", "certificate", "misbehaving_models", "zoo_models", "subprocess", "multiprocessing", "open_engine"),
+    *("live_server", "LiveServer", "serving", "Reader", "celery_workers", "chromium", "Installation", "receiving"),
+    *("calibrated", "find_engine", "Controller"),
+}
+# Files that start processes of geoswarm through what they call.
+STARTING = {
+    "api/test_catalogue.py",
+    "api/test_metrics.py",
+    "api/test_registered_models.py",
+    "api/test_schemathesis.py",
+    "geoswarm/agent/test_runs.py",
+    "solver/forward/programs/test_python_function.py",
+    "solver/search/test_accelerated_swarm.py",
+    "solver/test_answer.py",
+}
+# Files without such that took about 5 s of processor time or more, with compiled kernels.
+LENGTHY = {
+    "api/test_jobs.py",
+    "attacks/test_text_growth.py",
+    "examples/test_examples.py",
+    "examples/test_reference_data.py",
+    "examples/test_slope.py",
+    "geoswarm/cli/test_model.py",
+    "geoswarm/cli/test_run.py",
+    "geoswarm/cli/test_statistics.py",
+    "geoswarm/test_python_interface.py",
+    "geoswarm/test_result.py",
+    "solver/external/inputs/test_template.py",
+    "solver/identifiability/test_basins.py",
+    "solver/identifiability/test_posterior.py",
+    "solver/report/test_extent.py",
+    "solver/report/test_figures.py",
+    "solver/search/acceleration/test_trust_region.py",
+    "solver/search/test_ending.py",
+    "solver/search/test_integers.py",
+    "verification/fem/test_strength_change.py",
+    "verification/nist/test_nist_fits.py",
+    "verification/test_cases.py",
+    "workers/test_ending.py",
+    "workers/test_runtime.py",
+    "workers/test_worker.py",
+}
+
 from tests import servers  # noqa: E402
 from tests.servers import MissingServerError, PostgresServer, RedisServer  # noqa: E402
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the folders that take longest, so that no process is left with one of them when all others are done.
+def is_fast(item: pytest.Function) -> bool:
+    """Return whether a test is one of `make test-fast`: it starts nothing, and its file does not take long."""
+    parameters = item.callspec.params.values() if hasattr(item, "callspec") else ()
+    used = {*item.fixturenames, *vars(item.module), *(value for value in parameters if isinstance(value, str))}
+    file = item.nodeid.partition("::")[0].partition("/")[2]
+    return STARTERS.isdisjoint(used) and file not in STARTING | LENGTHY
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Function]) -> None:
+    """Mark what is fast, and begin with the folders that take longest, so that these do not run last, alone.
 
     The order within a folder stays: a browser or a service that its tests share is started once a process.
     """
+    for item in items:
+        if is_fast(item):
+            item.add_marker("fast")
     first = {name: number for number, name in enumerate(LONGEST)}
     items.sort(key=lambda item: first.get(item.nodeid.split("/")[1], len(first)) if "/" in item.nodeid else -1)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection() -> None:
+    """Look for no garbage while tests are collected, which leaves none: a third of the time of collecting."""
+    gc.disable()
+
+
 def pytest_collection_finish() -> None:
     """Look for garbage seldom, and not among thousands of tests: a tenth of the time of a run."""
+    gc.enable()
     gc.freeze()
     gc.set_threshold(100_000, 20, 100)
 
@@ -67,6 +132,17 @@ def zoo_models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
     return folder
+
+
+@pytest.fixture(scope="session")
+def sqlite_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file with all tables; each test has a copy of it, as making the tables takes longer than most tests."""
+    from geoswarm.workers.settings import Settings
+    from geoswarm.workers.store import Store
+
+    path = tmp_path_factory.mktemp("template") / "jobs.db"
+    Store(Settings(database_url=f"sqlite:///{path}")).close()
+    return path
 
 
 @pytest.fixture(scope="session")

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import LENGTHY, STARTING
 from tests.contracts.repository import PACKAGES, ROOT, module_name, python_files
 
 LONGEST_FILE = 420
@@ -90,5 +91,9 @@ def test_shell_scripts_are_executable_and_strict(script: Path) -> None:
 def test_make_help_lists_the_commands() -> None:
     done = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
     listed = re.findall(r"^  make ([a-z-]+) ", done.stdout, flags=re.MULTILINE)
-    whole = "help setup servers engines demo check docs format test test-all lock bench clean"
+    whole = "help setup servers engines demo check docs format test test-fast test-all lock bench clean"
     assert listed == whole.split()
+
+
+def test_files_that_are_left_out_of_the_fast_tests_exist() -> None:
+    assert [name for name in sorted(STARTING | LENGTHY) if not (ROOT / "tests" / name).is_file()] == []

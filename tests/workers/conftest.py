@@ -47,14 +47,6 @@ def empty_database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 
 
 @pytest.fixture(scope="session")
-def sqlite_template(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A file with all tables; each test has a copy of it, as making the tables takes longer than most tests."""
-    path = tmp_path_factory.mktemp("template") / "jobs.db"
-    Store(Settings(database_url=f"sqlite:///{path}")).close()
-    return path
-
-
-@pytest.fixture(scope="session")
 def postgres_template(postgres_server: PostgresServer) -> str:
     """Name of a database with all tables, to which nobody is connected any more."""
     postgres_server.start()
