@@ -120,6 +120,11 @@ class Evidence:
     influence: Number
     sampling_bias: bool
     hidden: Number = told("share of the searched space in which a basin like this one could still hide, 0 to 1")
+    partner_intervals: list[tuple[float, float]] = told("95 % intervals of the correlations with partners")
+    elsewhere: list[float] = told("values in other basins: those that the data allow too, or that runs point to")
+    exchangeable: list[str] = told("parameters with which it may be exchanged for all that is known")
+    exact: bool = told("all readings are met to rounding, and no error is stated")
+    spare: int | None = told("readings beyond the parameters, from which the error was estimated")
 
 
 @record(closed=True)
@@ -165,7 +170,25 @@ class Verdict:
         "error_not_met",
     ]
     words: str = told('the kind in words, as tables show it; with "within one basin" where the runs are sparse')
-    sentence: str
+    code: Literal[
+        "width",
+        "several",
+        "no_influence",
+        "tied",
+        "correlated",
+        "no_interval",
+        "not_minimum",
+        "nonlinear",
+        "no_error",
+        "unexplored",
+        "untried",
+        "misfit",
+        "swarm",
+        "thin",
+        "few_good_fits",
+    ] = told("why; width: of the good fits or the interval, with the bounds that it reaches")
+    reason: str = told("why, in one clause; with words, the verdict in one line")
+    sentence: str = told("all of it")
     evidence: Evidence
     proposals: list[Proposal]
 
@@ -193,6 +216,7 @@ class FitVerdict:
     """Whether the model describes the data; it comes before all other verdicts."""
 
     kind: Literal["describes", "gross_error", "doubtful", "lack_of_fit", "error_not_met", "untested"]
+    words: str = told("the kind in a clause")
     headline: str = told("what stands above all results; empty where nothing has to")
     sentence: str
     misfits: list[Misfit]
@@ -346,7 +370,7 @@ class StatisticsAnswer:
     residuals_at_optimum: bool = told("of a polished optimum, not of the best evaluation")
     residuals: list[Residuals]
     weights: list[SeriesShare]
-    warnings: list[str]
+    warnings: list[str] = told("what to be careful about, beyond what fit says")
 
 
 @record(closed=True)

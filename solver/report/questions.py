@@ -23,8 +23,8 @@ from geoswarm.solver.identifiability.prediction.draws import (
 )
 from geoswarm.solver.identifiability.prediction.question import MOST_RUNS, predict_problem
 from geoswarm.solver.identifiability.prediction.shapes import shape_of
-from geoswarm.solver.identifiability.stored.basin_words import SPARSE
 from geoswarm.solver.identifiability.stored.posterior import Posterior
+from geoswarm.solver.identifiability.stored.verdict_words import SPARSE
 from geoswarm.solver.identifiability.worth.candidates import read_candidates, read_predicted
 from geoswarm.solver.identifiability.worth.question import MOST_DRAWS, design_problem
 from geoswarm.solver.methods.design import Criterion

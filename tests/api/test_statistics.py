@@ -62,6 +62,16 @@ def test_threshold_is_proposed_and_a_wrong_one_refused(done: tuple[App, str]) ->
     assert refused.json()["issues"][0]["path"] == "query.threshold"
 
 
+def test_a_verdict_has_its_reason_in_one_line_and_warnings_leave_the_fit_out(done: tuple[App, str]) -> None:
+    app, path = done
+    answer = app.get(f"{path}/statistics").json()
+    for verdict in answer["verdicts"]:
+        assert verdict["sentence"].startswith(verdict["parameter"])
+        assert verdict["reason"] in verdict["sentence"]
+    assert answer["fit"]["words"]
+    assert not any(answer["fit"]["sentence"] in warning for warning in answer["warnings"])
+
+
 def test_report_is_a_page_with_a_policy_of_its_own(done: tuple[App, str]) -> None:
     app, path = done
     answer = app.get(f"{path}/report.html")

@@ -37,6 +37,8 @@ def test_the_pages_begin_with_what_is_wrong(embedded: Site, visit: Visit, bent: 
     expect(alarm).to_contain_text("The model does not describe the data", timeout=SOON)
     expect(alarm).to_contain_text("What to do")
     expect(alarm).to_contain_text("x_from")
+    sentence = page.context.request.get(f"/api/v1/jobs/{bent}/statistics").json()["fit"]["sentence"]
+    expect(page.get_by_text(sentence)).to_have_count(1)
     expect(page.locator(".card.identified")).to_have_count(0)
     check_accessibility(page)
     if folder := os.environ.get("PICTURES_TEMP"):

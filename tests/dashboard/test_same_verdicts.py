@@ -45,6 +45,10 @@ def test_report_json_and_dashboard_say_the_same(embedded: Site, visit: Visit, na
         card = page.locator(f"#verdict-{verdict['parameter']}")
         expect(card).to_contain_text(verdict["words"], timeout=SOON)
         expect(card).to_contain_text(verdict["sentence"])
+    fit = told["fit"]
+    assert not any(fit["sentence"] in warning for warning in told["warnings"])
+    seen = page.locator("#alarm, #warnings").get_by_text(fit["sentence"])
+    expect(seen).to_have_count(0 if fit["kind"] == "describes" else 1)
     page.goto(f"/jobs/{job}")
     expect(page.locator("#parameters a.verdict")).to_have_text([v["words"] for v in told["verdicts"]], timeout=SOON)
     words = "Intervals hold within the basin of the optimum; one like it could still hide in"

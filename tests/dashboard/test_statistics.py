@@ -175,6 +175,23 @@ def test_a_proposal_becomes_a_job_with_the_parameter_fixed(embedded: Site, page:
     assert made["name"] == "two lines (a bounds changed, d fixed)"
 
 
+def test_a_follow_up_is_offered_the_values_of_the_job(embedded: Site, visit: Visit) -> None:
+    readings = {"x": [0, 1, 2, 3, 4, 5], "y": [1.02, 2.95, 5.03, 6.99, 9.04, 10.97]}
+    observations = [{"series": "y", "points": readings}]
+    method = {"kind": "particle_swarm", "particles": 6, "acceleration": "none"}
+    document = line_problem(name="short", observations=observations, method=method, answer={"max_evaluations": "auto"})
+    job = ended(embedded.service, document)
+    found = embedded.service.get(job)
+    assert found.parameters is not None
+    assert found.search_best is not None
+    assert found.parameters["a"] != pytest.approx(found.search_best.parameters["a"], rel=1e-4)
+    page, _ = visit(embedded, f"/jobs/{job}/statistics")
+    for name in ("a", "b"):
+        page.get_by_label(f"{name} in the follow-up").select_option("fixed")
+        offered = float(page.get_by_label(f"Value of {name}").input_value())
+        assert offered == pytest.approx(found.parameters[name], rel=1e-5)
+
+
 def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) -> None:
     page, guard = visit(embedded, f"/jobs/{job}/statistics")
     guard.allow("422")

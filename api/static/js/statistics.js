@@ -14,7 +14,7 @@ import { fetchPoints } from "./statistics/points.js";
 import { rangeForm } from "./statistics/ranges.js";
 import { ThresholdSlider } from "./statistics/threshold.js";
 import { Uncertainty } from "./statistics/uncertainty.js";
-import { correlationTable, typeset, verdictCards } from "./statistics/verdicts.js";
+import { correlationTable, verdictCards } from "./statistics/verdicts.js";
 import { Weights } from "./statistics/weights.js";
 import { ENDED } from "./states.js";
 import { follow } from "./stream.js";
@@ -34,8 +34,8 @@ async function load() {
   if (["predict", "design"].includes(method)) return looksAhead(); // nothing there is compared with readings
   const verdicts = fitted === "true" ? judged(view.asked) : null; // begun early where an answer is sure
   verdicts?.catch(() => {}); // told below, after the points
-  const points = await fetchPoints(job);
-  if (!points.count) {
+  const [points, { parameters: values }] = await Promise.all([fetchPoints(job), get(`/jobs/${job}`)]);
+  if (!points.count || !values) {
     place("nothing").textContent = "No evaluation has succeeded yet, so there is nothing to judge.";
     return;
   }
@@ -48,7 +48,7 @@ async function load() {
   else limitAsTold(view.cloud);
   view.responses = null;
   view.threshold ??= firstThreshold(view.cloud);
-  build(points);
+  build(points, values);
   showCloud();
   const [statistics] = await Promise.all([verdicts ?? judged(view.asked), band(points)]);
   if (!statistics) return;
@@ -113,7 +113,8 @@ function settled() {
   place("judged").removeAttribute("aria-busy");
 }
 
-function build(points) {
+/** `values`: the job's, of the minimum where it has gone there; a follow-up starts from these. */
+function build(points, values) {
   const unit = objectiveUnit(points.series);
   const units = Object.fromEntries(points.parameters.map((parameter) => [parameter.name, parameter.unit]));
   parts.unit = unit;
@@ -125,8 +126,7 @@ function build(points) {
   parts.fit ??= new FitPlot(place("fit"), points.series);
   parts.weights ??= new Weights(place("weights"), { job, cloud: view.cloud, maySubmit, onWeights: reweighted });
   parts.weights.take(view.cloud);
-  const best = Object.fromEntries(points.parameters.map(({ name: key }, i) => [key, points.values[i][view.cloud.best]]));
-  if (maySubmit) parts.plan ??= new Plan(place("plan"), { job, name, parameters: points.parameters, best });
+  if (maySubmit) parts.plan ??= new Plan(place("plan"), { job, name, parameters: points.parameters, best: values });
   else place("plan").hidden = true;
   if (!parts.uncertainty) {
     parts.outlook = new Outlook(place("outlook"), { job, maySubmit, onBegun: () => parts.uncertainty.refresh() });
@@ -239,11 +239,10 @@ function showStatistics(statistics) {
   view.statistics = statistics;
   settled();
   const { threshold, verdicts, correlations, fit } = statistics;
-  const warnings = statistics.warnings.filter((text) => !fit?.headline || !text.startsWith(fit.sentence));
+  const warnings = [...(fit.kind === "untested" ? [fit.sentence] : []), ...statistics.warnings]; // all else is in the alarm
   place("alarm").replaceChildren(...alarm(fit));
-  const names = verdicts.map(({ parameter }) => parameter);
   parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;
-  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, typeset(text, names))));
+  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, text)));
   place("verdicts").replaceChildren(...verdictCards(verdicts, parts.units, parts.plan));
   const details = place("correlations");
   details.replaceChildren(details.querySelector("summary"), correlationTable(correlations));

@@ -16,6 +16,7 @@ from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.service.connection import connect, find_job
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import echo_json, note
+from geoswarm.cli.words.result import show_fit
 
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
@@ -165,9 +166,10 @@ def explore_command(
 def _show_basins(name: str, found: Mapping[str, Any], as_json: bool) -> None:
     """Write what the data say after an exploration: verdicts, and what is known of other basins."""
     if as_json:
-        echo_json({key: found[key] for key in ("basins", "verdicts", "warnings")})
+        echo_json({key: found[key] for key in ("fit", "basins", "verdicts", "warnings")})
         return
     click.secho(name, bold=True)
+    show_fit(found["fit"])
     for verdict in found["verdicts"]:
         click.echo(f"  {verdict['sentence']}")
     basins = found["basins"]

@@ -115,10 +115,7 @@ def _show(name: str, found: Mapping[str, Any]) -> None:
         "failed": str(samples["failed"]),
     }
     echo_facts(None, facts)
-    told = "" if found["fit"]["kind"] == "describes" else found["fit"]["sentence"]
     for warning in found["warnings"]:
-        if told and warning.startswith(told):
-            continue
         note(f"Warning: {warning}")
 
 

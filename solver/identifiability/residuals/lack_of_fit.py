@@ -17,7 +17,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability.misfits import UNITS_FIRST, Misfit, headline_of, remedies_of, sentence_of
+from geoswarm.solver.identifiability.misfits import FITS, UNITS_FIRST, Misfit, headline_of, remedies_of, sentence_of
 from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, excluded_readings
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
 from geoswarm.solver.identifiability.residuals.readings import (
@@ -100,7 +100,7 @@ class FitVerdict:
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
         lists = {"misfits": [asdict(m) for m in self.misfits], "remedies": list(self.remedies)}
-        return asdict(self) | lists | {"headline": self.headline}
+        return asdict(self) | lists | {"headline": self.headline, "words": FITS[self.kind]}
 
 
 def untested(why: str) -> FitVerdict:

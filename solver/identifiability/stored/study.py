@@ -25,12 +25,12 @@ from geoswarm.solver.identifiability.residuals.independence import SeriesResidua
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.residuals.readings import is_exact
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.stored.basin_words import SPARSE, Beyond, where_intervals_hold
 from geoswarm.solver.identifiability.stored.correlations import Correlations, correlate
 from geoswarm.solver.identifiability.stored.filtering import Filtered, filter_samples, propose_threshold
 from geoswarm.solver.identifiability.stored.projections import Projection, project
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
-from geoswarm.solver.identifiability.stored.verdicts import Verdict, judge
+from geoswarm.solver.identifiability.stored.verdict_words import SPARSE, where_intervals_hold
+from geoswarm.solver.identifiability.stored.verdicts import Beyond, Verdict, judge
 from geoswarm.solver.identifiability.weighting import SeriesWeight, shares
 from geoswarm.solver.methods.registry import find_method
 from geoswarm.solver.words import share
@@ -141,7 +141,7 @@ class Statistics:
     weights
         Share of each series in the objective at the optimum, or of the best sample.
     warnings
-        What to be careful about, in sentences.
+        What to be careful about, in sentences, beyond what ``fit`` says.
     fit
         Whether the model describes the data at all: it stands before the verdicts.
     residuals_at_optimum
@@ -269,8 +269,6 @@ def analyse(
     warnings = [w for r in residuals for w in r.warnings] if fit.kind in ("untested", "error_not_met") else []
     if linearisation is not None:
         warnings = [*(one.sentence for one in linearisation.dependence), *warnings]
-    if fit.kind != "describes":
-        warnings.insert(0, " ".join((fit.sentence, *fit.remedies)))
     if linearisation is not None and not linearisation.at_optimum:
         far = linearisation.far
         warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))

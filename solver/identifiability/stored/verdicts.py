@@ -29,23 +29,16 @@ from typing import Any, Literal, TypeAlias
 from geoswarm.solver.identifiability.optimum.basins import OtherFit
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.identifiability.residuals.readings import FEWEST_FREE
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.identifiability.stored.basin_words import (
-    NOTHING_BEYOND,
-    SPARSE,
-    Beyond,
-    left_alone,
-    several,
-    untried_exchange,
-    within_basin,
-)
 from geoswarm.solver.identifiability.stored.correlations import COORDINATES, Correlation, correlate_at
 from geoswarm.solver.identifiability.stored.filtering import Filtered
 from geoswarm.solver.identifiability.stored.projections import Projection
 from geoswarm.solver.identifiability.stored.proposals import Proposal, propose
-from geoswarm.solver.words import ends, share, verdict_in_words
+from geoswarm.solver.identifiability.stored.verdict_words import FEWEST_GOOD_FITS, SPARSE, in_words
+from geoswarm.solver.words import verdict_in_words
 
-__all__ = ["FEWEST_GOOD_FITS", "WIDTH_LIMIT", "Evidence", "Verdict", "VerdictKind", "judge"]
+__all__ = ["WIDTH_LIMIT", "Beyond", "Evidence", "Verdict", "VerdictCode", "VerdictKind", "judge"]
 
 VerdictKind: TypeAlias = Literal[
     "identified",
@@ -57,10 +50,27 @@ VerdictKind: TypeAlias = Literal[
     "error_not_met",
 ]
 
+VerdictCode: TypeAlias = Literal[
+    "width",
+    "several",
+    "no_influence",
+    "tied",
+    "correlated",
+    "no_interval",
+    "not_minimum",
+    "nonlinear",
+    "no_error",
+    "unexplored",
+    "untried",
+    "misfit",
+    "swarm",
+    "thin",
+    "few_good_fits",
+]
+"""Why a verdict is of its kind; ``width``: of the good fits or the interval, with the bounds that it reaches."""
+
 WIDTH_LIMIT = 0.5
 """A parameter that keeps more than this share of its prior width is not identified."""
-
-FEWEST_GOOD_FITS = 10
 
 _FALSE_PAIRS = 0.01  # probability of calling any pair correlated that is not
 
@@ -87,6 +97,14 @@ class Evidence:
         True when the samples are a swarm's.
     hidden
         Share of the searched space in which a basin like this one could still hide, 0 to 1; None where nobody looked.
+    partner_intervals
+        Of the correlations with ``partners``, 95 %; empty without correlations.
+    elsewhere
+        Values of the parameter in other basins: where the data allow these as well, or where stored runs point to.
+    exchangeable
+        Parameters with which it may be exchanged for all that is known.
+    exact, spare
+        As in :class:`Beyond`.
     """
 
     basis: Literal["sampling", "linearisation", "none"]
@@ -101,14 +119,29 @@ class Evidence:
     influence: float | None = None
     sampling_bias: bool = False
     hidden: float | None = None
+    partner_intervals: tuple[tuple[float, float], ...] = ()
+    elsewhere: tuple[float, ...] = ()
+    exchangeable: tuple[str, ...] = ()
+    exact: bool = False
+    spare: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What the data say about one parameter: kind, evidence, one plain sentence, and proposals."""
+    """What the data say about one parameter.
+
+    Parameters
+    ----------
+    kind, code
+        What is said, and why.
+    reason, sentence
+        Why in one clause, and all of it in words.
+    """
 
     parameter: str
     kind: VerdictKind
+    code: VerdictCode
+    reason: str
     sentence: str
     evidence: Evidence
     proposals: tuple[Proposal, ...] = field(default=())
@@ -126,6 +159,49 @@ class Verdict:
 
         proposals = [proposal.to_json() for proposal in self.proposals]
         return asdict(self) | {"words": self.words, "proposals": proposals}
+
+
+@dataclass(frozen=True, slots=True)
+class Beyond:
+    """What the interval at an optimum does not show.
+
+    Parameters
+    ----------
+    hidden
+        Share of the searched space in which a basin like that of the optimum could hide, 0 to 1; None: not known.
+    exact
+        The model meets all readings but for rounding, and their error is not stated.
+    spare
+        Readings beyond the parameters, from which the error was estimated; None where it is stated.
+    unfinished
+        Runs that point to another basin into which nobody has gone down.
+    untried
+        Pairs of parameters that may be exchanged for all that is known.
+    """
+
+    hidden: float | None = None
+    exact: bool = False
+    spare: int | None = None
+    unfinished: tuple[OtherFit, ...] = ()
+    untried: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def errorless(self) -> bool:
+        """Whether the error cannot be estimated: too few readings, all met."""
+        return self.exact and self.spare is not None and self.spare < FEWEST_FREE
+
+    def left(self, name: str) -> tuple[OtherFit, ...]:
+        """Those of the unfinished basins in which a parameter has another value."""
+        return tuple(other for other in self.unfinished if name in other.differs)
+
+    def exchangeable(self, name: str) -> tuple[str, ...]:
+        """Parameters with which one may be exchanged for all that is known."""
+        return tuple(first if second == name else second for first, second in self.untried if name in (first, second))
+
+
+NOTHING_BEYOND = Beyond()
+
+Judged: TypeAlias = tuple[VerdictKind, VerdictCode, Evidence]
 
 
 def judge(
@@ -157,28 +233,19 @@ def judge(
     fit = fit or (None if linearisation is None else linearisation.fit)
     tied = _tied_pairs(filtered)
     verdicts = []
-    for projection in projections:
-        kind, evidence, sentence = _judge(samples, projection, tied, linearisation, filtered.thin)
-        elsewhere = [other for other in others if projection.parameter in other.differs]
-        if linearisation is not None and elsewhere and evidence.basis == "linearisation" and evidence.width_ratio:
-            kind, evidence = "not_identified", replace(evidence, unimodal=False)
-            sentence = several(projection.parameter, linearisation, elsewhere)
-        elif evidence.basis == "linearisation" and kind in ("identified", "bounded_on_one_side"):
-            evidence = replace(evidence, hidden=beyond.hidden)
-            if beyond.errorless:
-                kind, sentence = "undecided", beyond.undecided(projection.parameter)
-            elif linearisation is not None and (left := beyond.left(projection.parameter)):
-                kind = "undecided"
-                sentence = left_alone(projection.parameter, sentence, linearisation, left)
-            elif (swaps := untried_exchange(projection.parameter, sentence, beyond)) is not None:
-                kind, sentence = "undecided", swaps
-            else:
-                sentence = within_basin(projection.parameter, sentence, beyond)
-        kind, sentence = _under_fit(projection.parameter, kind, sentence, fit)
-        proposals = propose(projection.parameter, kind, filtered.samples, projection, evidence.partners)
+    for index, projection in enumerate(projections):
+        name = projection.parameter
+        kind, code, evidence = _judge(samples, projection, tied, linearisation, filtered.thin)
+        if evidence.basis == "linearisation" and evidence.range_lower is not None:
+            solutions = tuple(float(other.parameters[index]) for other in others if name in other.differs)
+            kind, code, evidence = _look_beyond(name, index, (kind, code, evidence), solutions, beyond)
+        if fit is not None and fit.wrong and kind in ("identified", "bounded_on_one_side"):
+            kind, code = "lack_of_fit" if fit.kind == "lack_of_fit" else "error_not_met", "misfit"
+        reason, sentence = in_words(name, kind, code, evidence, linearisation, filtered.thin)
+        proposals = propose(name, kind, filtered.samples, projection, evidence.partners)
         if (fit is not None and fit.kind in ("lack_of_fit", "gross_error")) or _at_bound(samples, projection):
             proposals = tuple(one for one in proposals if one.kind not in ("fix", "link"))
-        verdicts.append(Verdict(projection.parameter, kind, sentence, evidence, proposals))
+        verdicts.append(Verdict(name, kind, code, reason, sentence, evidence, proposals))
     return tuple(verdicts)
 
 
@@ -188,19 +255,22 @@ def _at_bound(samples: Samples, projection: Projection) -> bool:
     return projection.best in (float(samples.lower[index]), float(samples.upper[index]))
 
 
-def _under_fit(name: str, kind: VerdictKind, sentence: str, fit: FitVerdict | None) -> tuple[VerdictKind, str]:
-    """What is left of a verdict where the model does not describe the data, or the stated error is not met."""
-    if fit is None or kind not in ("identified", "bounded_on_one_side"):
-        return kind, sentence
-    _, _, values = sentence.partition(": ")
-    if fit.kind == "lack_of_fit":
-        return "lack_of_fit", (
-            f"{name} is that of the closest curve only: the model does not describe the data, so this does not hold: "
-            f"{values}"
-        )
-    if fit.kind == "error_not_met":
-        return "error_not_met", f"{name} is less certain than this says, as the stated error is not met: {values}"
-    return kind, sentence
+def _look_beyond(name: str, index: int, judged: Judged, solutions: tuple[float, ...], beyond: Beyond) -> Judged:
+    """What an interval at the optimum is worth where other basins, exchanges or the error are not excluded."""
+    kind, code, evidence = judged
+    if solutions:
+        return "not_identified", "several", replace(evidence, unimodal=False, elsewhere=solutions)
+    if kind not in ("identified", "bounded_on_one_side"):
+        return judged
+    evidence = replace(evidence, hidden=beyond.hidden, exact=beyond.exact, spare=beyond.spare)
+    if beyond.errorless:
+        return "undecided", "no_error", evidence
+    if left := beyond.left(name):
+        places = tuple(float(other.parameters[index]) for other in left)
+        return "undecided", "unexplored", replace(evidence, elsewhere=places)
+    if exchangeable := beyond.exchangeable(name):
+        return "undecided", "untried", replace(evidence, exchangeable=exchangeable)
+    return kind, code, evidence
 
 
 def _tied_pairs(filtered: Filtered) -> tuple[Correlation, ...]:
@@ -224,145 +294,80 @@ def _judge(
     tied_pairs: tuple[Correlation, ...],
     linearisation: Linearisation | None,
     thin: str | None,
-) -> tuple[VerdictKind, Evidence, str]:
+) -> Judged:
     name = projection.parameter
     swarm = not samples.unbiased.any()
     good_fits = 0 if swarm else projection.kept
     influence = None if linearisation is None else linearisation.influence(name)
-    if linearisation is not None and name in linearisation.without_influence:
+    if linearisation is not None:
         evidence = Evidence("linearisation", good_fits, influence=influence, sampling_bias=swarm)
-        return (
-            "not_identified",
-            evidence,
-            f"{name} has no influence on the measured series at the optimum: there, the data say nothing about it.",
-        )
-    if linearisation is not None and linearisation.unclear:
-        evidence = Evidence("linearisation", good_fits, influence=influence, sampling_bias=swarm)
-        return "undecided", evidence, f"{name} is undecided: {linearisation.why_no_interval(name)}."
-    tied = () if linearisation is None else linearisation.tied_to(name)
-    if tied:
-        evidence = Evidence(
-            "linearisation",
-            good_fits,
-            partners=tuple((partner, None) for partner in tied),
-            influence=influence,
-            sampling_bias=swarm,
-        )
-        sentence = (
-            f"{name} acts on the measured series only in combination with {' and '.join(tied)}: "
-            "changing them together changes nothing that was measured, so none of them has an interval of its own."
-        )
-        return "in_combination", evidence, sentence
+        if name in linearisation.without_influence:
+            return "not_identified", "no_influence", evidence
+        if linearisation.unclear:
+            return "undecided", "no_interval", evidence
+        if tied := linearisation.tied_to(name):
+            partners = tuple((partner, None) for partner in tied)
+            return "in_combination", "tied", replace(evidence, partners=partners)
     if good_fits >= FEWEST_GOOD_FITS and thin is None:
         return _judge_sampling(projection, tied_pairs, influence)
     if linearisation is not None:
-        return _judge_linearisation(samples, name, linearisation, good_fits, swarm)
-    evidence = Evidence("none", good_fits, sampling_bias=swarm)
-    if thin is not None and not swarm:
-        reason = thin
-    elif swarm:
-        reason = "a swarm crowds where it was drawn to, so the spread of its particles proves nothing"
-    else:
-        reason = f"only {good_fits} samples fit well, at least {FEWEST_GOOD_FITS} are needed"
-    sentence = f"{name} is undecided: {reason}; sample the space or calculate sensitivities at the optimum."
-    return "undecided", evidence, sentence
+        return _judge_linearisation(samples, name, linearisation, evidence)
+    return (
+        "undecided",
+        "swarm" if swarm else "few_good_fits" if thin is None else "thin",
+        Evidence("none", good_fits, sampling_bias=swarm),
+    )
 
 
-def _judge_sampling(
-    projection: Projection, tied_pairs: tuple[Correlation, ...], influence: float | None
-) -> tuple[VerdictKind, Evidence, str]:
-    name, kept = projection.parameter, projection.kept
+def _judge_sampling(projection: Projection, tied_pairs: tuple[Correlation, ...], influence: float | None) -> Judged:
+    name = projection.parameter
     tied = sorted(
         (pair for pair in tied_pairs if name in (pair.first, pair.second)),
         key=lambda pair: -abs(pair.coefficient or 0.0),
     )
-    partners = tuple((_other(pair, name), pair.coefficient) for pair in tied)
     evidence = Evidence(
         "sampling",
-        kept,
+        projection.kept,
         projection.lowest,
         projection.highest,
         projection.width_ratio,
         projection.unimodal,
         projection.open_below,
         projection.open_above,
-        partners,
+        tuple((pair.second if pair.first == name else pair.first, pair.coefficient) for pair in tied),
         influence,
+        partner_intervals=tuple((p.lower, p.upper) for p in tied if p.lower is not None and p.upper is not None),
     )
-    low, high = ends(projection.lowest or 0.0, projection.highest or 0.0, plain=True)
-    values = (
-        f"{kept} good fits lie between {low} and {high}, {share(projection.width_ratio or 0.0)} of the searched range"
-    )
-    several = "" if projection.unimodal is not False else "; they form more than one group"
     if tied:
-        words = " and ".join(f"{_other(pair, name)} ({_interval(pair)})" for pair in tied)
-        return "in_combination", evidence, f"{name} is determined only in combination with {words}; {values}{several}."
+        return "in_combination", "correlated", evidence
     if projection.width_ratio is not None and projection.width_ratio <= WIDTH_LIMIT:
         contact = (bool(projection.open_below), bool(projection.open_above))
         if contact == (False, False):
             if projection.unimodal is False:
-                return "not_identified", evidence, f"{name} has more than one solution: {values}, in separate groups."
-            return "identified", evidence, f"{name} is identified: {values}."
+                return "not_identified", "several", evidence
+            return "identified", "width", evidence
         if contact != (True, True):
-            side, bound = ("above", "lower") if contact[0] else ("below", "upper")
-            sentence = f"{name} is only bounded from {side}: {values}, and they reach the {bound} bound{several}."
-            return "bounded_on_one_side", evidence, sentence
-    return "not_identified", evidence, f"{name} is not identified: {values}{several}."
+            return "bounded_on_one_side", "width", evidence
+    return "not_identified", "width", evidence
 
 
-def _judge_linearisation(
-    samples: Samples, name: str, linearisation: Linearisation, good_fits: int, swarm: bool
-) -> tuple[VerdictKind, Evidence, str]:
+def _judge_linearisation(samples: Samples, name: str, linearisation: Linearisation, evidence: Evidence) -> Judged:
     index = samples.names.index(name)
     interval = linearisation.interval(name)
-    influence = linearisation.influence(name)
     if interval is None:
-        evidence = Evidence("linearisation", good_fits, influence=influence, sampling_bias=swarm)
-        reason = linearisation.why_no_interval(name)
-        return "not_identified", evidence, f"{name} is not identified: {reason}."
+        return "not_identified", "no_interval", evidence
     low, high = interval
-    open_below, open_above = low <= samples.lower[index], high >= samples.upper[index]
+    open_below, open_above = bool(low <= samples.lower[index]), bool(high >= samples.upper[index])
     width = linearisation.unit_width(name)
-    evidence = Evidence(
-        "linearisation",
-        good_fits,
-        low,
-        high,
-        width,
-        None,
-        bool(open_below),
-        bool(open_above),
-        influence=influence,
-        sampling_bias=swarm,
+    evidence = replace(
+        evidence, range_lower=low, range_upper=high, width_ratio=width, open_below=open_below, open_above=open_above
     )
-    values = f"{linearisation.interval_in_words(name)} is {' to '.join(ends(low, high, plain=True))}"
     if linearisation.misplaced:
-        sentence = (
-            f"{name} is undecided: {values}, but that is not the minimum yet ({linearisation.far:.2g} standard errors "
-            "away); polish the best parameters first."
-        )
-        return "undecided", evidence, sentence
+        return "undecided", "not_minimum", evidence
     if linearisation.bent(name):
-        sentence = (
-            f"{name} is undecided: {values}, but the model is nonlinear there, and the interval by likelihood differs "
-            f"by about {share(linearisation.bending_of(name))} on one side; 'geoswarm profile' calculates it."
-        )
-        return "undecided", evidence, sentence
+        return "undecided", "nonlinear", evidence
     if width <= WIDTH_LIMIT and not (open_below or open_above):
-        return "identified", evidence, f"{name} is identified: {values}, {share(width)} of the searched range."
-    if width <= 2 * WIDTH_LIMIT and bool(open_below) != bool(open_above):
-        side, bound = ("above", "lower") if open_below else ("below", "upper")
-        return (
-            "bounded_on_one_side",
-            evidence,
-            f"{name} is only bounded from {side}: {values}, up to the {bound} bound or beyond.",
-        )
-    return "not_identified", evidence, f"{name} is not identified: {values}, {share(width)} of the searched range."
-
-
-def _other(pair: Correlation, name: str) -> str:
-    return pair.second if pair.first == name else pair.first
-
-
-def _interval(pair: Correlation) -> str:
-    return f"r = {pair.coefficient:.2f}, {pair.lower:.2f} to {pair.upper:.2f}"
+        return "identified", "width", evidence
+    if width <= 2 * WIDTH_LIMIT and open_below != open_above:
+        return "bounded_on_one_side", "width", evidence
+    return "not_identified", "width", evidence

@@ -10,8 +10,8 @@ from typing import Any
 from geoswarm.solver.identifiability import Statistics
 from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD, headline_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
-from geoswarm.solver.identifiability.stored.basin_words import where_intervals_hold
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
+from geoswarm.solver.identifiability.stored.verdict_words import where_intervals_hold
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
 from geoswarm.solver.report.curves import objective_unit, series_shares
 from geoswarm.solver.report.document.captions import CAPTIONS
@@ -342,10 +342,10 @@ def _notes(problem: Problem, statistics: Statistics) -> tuple[str, ...]:
         notes.append("Widths and correlations come from the Monte Carlo samples only; the swarm's are biased.")
     if statistics.samples.failed:
         notes.append(f"{statistics.samples.failed} evaluations failed and are left out.")
-    fit = statistics.fit  # stands at the head
-    told = {" ".join((fit.sentence, *fit.remedies))} if fit.headline else set()
     notes += not_modelled(problem)
-    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings if warning not in told))
+    if statistics.fit.kind == "untested":  # all else stands at the head
+        notes.append(statistics.fit.sentence)
+    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings))
 
 
 def _r(value: float | None) -> str:

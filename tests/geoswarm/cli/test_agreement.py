@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from geoswarm.cli import main
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.forward.combined import CombinedSpec
 from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.words import typeset
 from tests.solver.problems import decay_document
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -49,7 +51,7 @@ def test_run_statistics_and_report_agree_and_only_the_search_runs(
     assert [kind for kind, _ in found] == ["identified", "identified"]
     assert main(["report", str(out), "--html"]) == 0
     again = (out / "report.html").read_text(encoding="utf-8")
-    assert all(sentence.split(":")[0] in page for _, sentence in found for page in (report, again))
+    assert all(typeset(sentence) in unescape(page) for _, sentence in found for page in (report, again))
 
 
 def test_quick_is_a_property_of_the_model() -> None:

@@ -1,5 +1,5 @@
 // The answer in words, and the table of parameters: both from the statistics, so that they never disagree with these.
-import { WRONG, alarm, doubt } from "../alarm.js";
+import { alarm, doubt } from "../alarm.js";
 import { announce, element, empty, exchange } from "../dom.js";
 import { amount, ends, number, plain, precise, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
@@ -7,28 +7,19 @@ import { ENDED } from "../states.js";
 import { nextStep } from "./next_step.js";
 
 const FORMS = { fixed: "fixed", linked: "linked" };
-const FITS = {
-  describes: "the model describes the data", doubtful: "whether the model describes the data is doubtful",
-  gross_error: "without the readings that the others exclude, the model describes the data", lack_of_fit: "the model does not describe the data, so no interval holds",
-  error_not_met: "the stated error is not met, so no interval holds", untested: "whether the model describes the data has not been tested",
-};
 const NEAR = 1e-6; // parts of the searched range, as in at_bounds of a job
 const AWAY = 0.5; // standard errors
 
 const listed = (names) => (names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`);
 
-/** What the statistics say of all parameters and of the fit, as one sentence. */
-export function sentence({ verdicts, fit }, shares, short = false) {
+/** What the statistics say of all parameters and of the fit, in one line. */
+function summary({ verdicts, fit }, shares, short = false) {
   const groups = new Map();
-  for (const { parameter, kind, words } of verdicts) {
-    const what = WRONG.has(kind) ? "" : kind === "in_combination" ? "known only in combination" : words;
-    groups.set(what, [...(groups.get(what) ?? []), symbol(parameter)]);
-  }
-  const told = [...groups].map(([what, names]) => (what
-    ? `${listed(names)} ${names.length === 1 ? "is" : "are"} ${what}`
-    : `${listed(names)} ${names.length === 1 ? "is that" : "are those"} of the closest curve`));
+  for (const { parameter, words } of verdicts) groups.set(words, [...(groups.get(words) ?? []), symbol(parameter)]);
+  const told = [...groups].map(([words, names]) => `${words}: ${names.join(", ")}`);
   const left = shares.slice(0, 3).map(({ series, root_mean_square: value, unit }) => `${amount(value, unit)}${shares.length > 1 ? ` in ${plain(series)}` : ""}`);
-  return `${[...told, left.length ? `${short ? "the best run of the search" : "the fit"} leaves ${listed(left)} (root mean square)` : null, FITS[fit.kind]].filter(Boolean).join("; ")}.`;
+  const text = [...told, left.length ? `${short ? "the best run of the search" : "the fit"} leaves ${listed(left)} (root mean square)` : null, fit.words].filter(Boolean).join("; ");
+  return `${text[0].toUpperCase()}${text.slice(1)}.`;
 }
 
 /** Whether the values are those of a minimum that a follow-up found, away from the best run of the search. */
@@ -66,7 +57,7 @@ export function answer(view) {
 
   function show() {
     const best = view.fit?.curves.find(({ role }) => role === "best");
-    if (view.statistics) said.textContent = sentence(view.statistics, best?.shares ?? [], endedShort(view));
+    if (view.statistics) said.textContent = summary(view.statistics, best?.shares ?? [], endedShort(view));
     parameters();
   }
 
@@ -85,7 +76,7 @@ export function answer(view) {
       element("td", { class: "n", title: free ? number(shown, 10) : null }, free && known ? precise(shown, high - low) : number(shown)),
       element("td", {}, free && known ? ends(low, high, 3) : free ? "–" : "", free && known && how ? element("small", {}, ` ${how}`) : null),
       element("td", {},
-        verdict ? element("a", { class: `verdict ${verdict.kind}`, href: `/jobs/${view.id}/statistics#verdict-${name}` }, verdict.words) : free ? "searched" : FORMS[info?.form] ?? "given",
+        verdict ? element("a", { class: `verdict ${verdict.kind}`, href: `/jobs/${view.id}/statistics#verdict-${name}`, title: verdict.reason }, verdict.words) : free ? "searched" : FORMS[info?.form] ?? "given",
         bound ? element("strong", { class: "touched" }, ` ⚠ at its ${bound} bound ${number(info[bound])}`) : null),
       element("td", { class: "range" }, free && info ? `${number(info.lower)} … ${number(info.upper)}${info.scale === "log" ? " (log)" : ""}` : info?.expression ?? ""));
   }

@@ -6,19 +6,13 @@ const SIGNS = { lack_of_fit: "≠ ", error_not_met: "≠ " };
 const BASES = { sampling: "sampling", linearisation: "sensitivities at the optimum", none: "too little" };
 const DO = { fix: "Fix", link: "Link", widen: "Widen" };
 
-/** Sentences of the service with the parameters in the field's letters. */
-export function typeset(text, names) {
-  return names.reduce((words, name) => words.replaceAll(new RegExp(`(?<![\\w.])${name.replace(/\W/g, "\\$&")}(?![\\w*])`, "g"), symbol(name)), text);
-}
-
 /** Cards of verdicts; `plan` takes proposals, null when nothing may be submitted. */
 export function verdictCards(verdicts, units, plan) {
-  const names = verdicts.map(({ parameter }) => parameter);
   return verdicts.map(({ parameter, kind, words, sentence, evidence, proposals }) => element("article", { class: `card ${kind}`, id: `verdict-${parameter}`, "data-parameter": parameter },
     element("h3", {}, `${symbol(parameter)}${unitOf(units[parameter])}`, element("span", { class: "badge" }, `${SIGNS[kind] ?? ""}${words}`)),
-    element("p", {}, typeset(sentence, names)),
+    element("p", {}, sentence),
     element("details", {}, element("summary", {}, "Evidence"), evidenceList(evidence)),
-    proposals.map((proposal) => suggestion(proposal, names, plan))));
+    proposals.map((proposal) => suggestion(proposal, plan))));
 }
 
 function unitOf(unit) {
@@ -37,14 +31,16 @@ function evidenceList(evidence) {
     ["Reach the upper bound", yes(evidence.open_above)],
     ["Influence on the fit", number(evidence.influence)],
     ["Tied to", evidence.partners.map(([name, r]) => (r === null ? symbol(name) : `${symbol(name)} (r = ${fixed(r)})`)).join(", ") || "none"],
+    ["Values in other basins", evidence.elsewhere.map((value) => number(value)).join(", ") || "none"],
+    ["May be exchanged with", evidence.exchangeable.map(symbol).join(", ") || "none"],
     ["Space that could still hide such a basin", percent(evidence.hidden ?? NaN)],
     ["From a swarm's path", yes(evidence.sampling_bias)],
   ];
   return element("dl", {}, rows.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))));
 }
 
-function suggestion(proposal, names, plan) {
-  const words = element("p", {}, typeset(proposal.sentence, names));
+function suggestion(proposal, plan) {
+  const words = element("p", {}, proposal.sentence);
   if (!plan || !DO[proposal.kind]) return element("div", { class: "proposal" }, words);
   const what = `${DO[proposal.kind]} ${symbol(proposal.parameter)}`;
   return element("div", { class: "proposal" }, words, element("div", { class: "buttons" },
