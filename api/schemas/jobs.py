@@ -134,7 +134,7 @@ class CheckResult(Model):
     free_parameters: list[str]
     data_points: int
     planned_evaluations: int | None = Field(description="null when only time or quality ends the search")
-    answer_evaluations: int | None = Field(
+    left_to_answer: int | None = Field(
         description="how many of these the search leaves for minimum and intervals; null without planned_evaluations"
     )
     test_run: TestRun

@@ -21,15 +21,14 @@ FIRST_SEED = 7000  # none of these was used while the method was made
 @click.option("--seeds", default=30, show_default=True, help="runs of each method on each problem")
 @click.option("--method", "methods", multiple=True, type=click.Choice(list(METHODS)), help="only these methods")
 @click.option("--unseen", is_flag=True, help="the twenty curves that the method was not made with")
-@click.option("--problem", "problems", multiple=True, help="only these problems")
+@click.option("--problem", "problems", multiple=True, type=click.Choice([*PROBLEMS, *UNSEEN]), help="only these")
 @click.option("--results", type=click.Path(path_type=Path), default="search-results.json", help="kept between runs")
 def main(seeds: int, methods: tuple[str, ...], unseen: bool, problems: tuple[str, ...], results: Path) -> None:
     """Measure evaluations to target; what is in the results file already is not run again."""
     warnings.simplefilter("ignore")
     known: dict[str, list[list[float]]] = json.loads(results.read_text()) if results.exists() else {}
-    suite = UNSEEN if unseen else PROBLEMS
-    for problem in problems or suite:
-        task = suite[problem]()
+    for problem in problems or (UNSEEN if unseen else PROBLEMS):
+        task = (PROBLEMS | UNSEEN)[problem]()
         for method in methods or METHODS:
             key = f"{problem}|{method}"
             if len(known.get(key, ())) >= seeds:

@@ -1,4 +1,4 @@
-"""Twenty curves with one to four basins and 4 to 10 parameters, none of which the method was made with.
+"""Twenty curves with 4 to 10 parameters and one to some ten basins.
 
 A search has solved one when its objective is at most 1 % above the least.
 """

@@ -82,7 +82,7 @@ class WarmStart:
 class CheckResult:
     """What a valid problem will run and cost; ``estimated_seconds`` is for one worker.
 
-    Of ``planned_evaluations`` the search leaves ``answer_evaluations`` for minimum and intervals.
+    Of ``planned_evaluations`` the search leaves ``left_to_answer`` for minimum and intervals.
     ``notes`` list how the readings were processed, by series; ``assumptions``, what the forward model assumes where the
     problem says nothing.
     """
@@ -100,7 +100,7 @@ class CheckResult:
     warm_starts: list[WarmStart]
     notes: dict[str, list[str]] = field(default_factory=dict)
     assumptions: list[str] = field(default_factory=list)
-    answer_evaluations: int | None = None
+    left_to_answer: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -90,7 +90,7 @@ class Projection:
     edges: list[float]
     envelope: list[Number] = told("lowest objective in each bin; null where it is empty")
     counts: list[int]
-    best: float
+    best: float = told("value at the minimum where it is known, of the best evaluation otherwise")
     lowest: Number
     highest: Number
     lower: Number = told("5 % quantile of the good fits")

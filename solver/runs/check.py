@@ -75,7 +75,7 @@ class CheckReport:
         Number of measured points in all observations.
     planned_evaluations
         Most evaluations that the job makes; None when only time or quality ends it.
-    answer_evaluations
+    left_to_answer
         How many of these the search leaves for minimum and intervals; None without a plan.
     test_run
         The one forward calculation.
@@ -96,7 +96,7 @@ class CheckReport:
     free_parameters: tuple[str, ...]
     data_points: int
     planned_evaluations: int | None
-    answer_evaluations: int | None
+    left_to_answer: int | None
     test_run: TestRunReport
     estimated_seconds: float | None
     warnings: tuple[str, ...] = ()
@@ -150,7 +150,7 @@ def check_problem(
         assumptions=problem.forward_model.assumptions,
         data_points=sum(len(observation.x) for observation in problem.observations),
         planned_evaluations=planned,
-        answer_evaluations=None if planned is None else problem.left_to_answer(planned),
+        left_to_answer=None if planned is None else problem.left_to_answer(planned),
         test_run=_report(run, problem, problem.values(point.tolist())),
         estimated_seconds=_estimate(
             run.seconds + search_seconds(course, start, run), planned, problem.stopping.max_seconds

@@ -126,7 +126,7 @@ def calibrate(
                 break
             if progress.answer is None and step.progress.answer is not None:
                 under_way.drop(step.progress.generation)
-                if on_search_end is not None:
+                if on_search_end is not None and keeper.known_step(step.progress.generation) is None:
                     ended = time.monotonic()
                     on_search_end(_result(problem, seed, step.progress, (), history, records, ended - began))
                     began += time.monotonic() - ended

@@ -31,7 +31,7 @@ def test_a_run_that_hangs_is_ended_and_the_next_one_is_made(app: App) -> None:
     assert "longer than 0.5 s" in run["message"]
     answer = app.post(f"{API}/problems/check", json=line_problem(answer={})).json()
     assert answer["test_run"]["state"] == "finished"
-    assert (answer["planned_evaluations"], answer["answer_evaluations"]) == (60, 15)
+    assert (answer["planned_evaluations"], answer["left_to_answer"]) == (60, 15)
 
 
 def test_a_run_that_crashes_ends_no_more_than_itself(app: App) -> None:

@@ -77,7 +77,7 @@ def test_a_failed_run_is_reported() -> None:
 def test_planned_evaluations(method: str, stopping: dict[str, float], planned: int | None, answer: int | None) -> None:
     section = {"kind": "monte_carlo", "samples": 500} if method == "monte_carlo" else {"kind": method, "particles": 6}
     report = check(method=section, stopping=stopping)
-    assert (report.planned_evaluations, report.answer_evaluations) == (planned, answer)
+    assert (report.planned_evaluations, report.left_to_answer) == (planned, answer)
     if planned is None:
         assert report.estimated_seconds is None
     elif method == "monte_carlo":
@@ -97,4 +97,4 @@ def test_a_search_leaves_what_the_check_has_said() -> None:
     changes = {"method": {"kind": "particle_swarm", "particles": 5, "acceleration": "none"}}
     answer = calibrate(parse_problem(line(**changes))).answer
     assert answer is not None
-    assert 60 - answer.evaluations == check(**changes).answer_evaluations == 15
+    assert 60 - answer.evaluations == check(**changes).left_to_answer == 15

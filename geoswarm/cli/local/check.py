@@ -77,8 +77,8 @@ def _show(problem: Problem, check: CheckReport) -> None:
         cost = f"at most {planned} evaluations"
         if check.estimated_seconds is not None:
             cost += f", about {duration(check.estimated_seconds)} on one worker, the search's own time included"
-        if check.answer_evaluations:
-            cost += f"; the search leaves {check.answer_evaluations} of them for minimum and intervals"
+        if check.left_to_answer:
+            cost += f"; the search leaves {check.left_to_answer} of them for minimum and intervals"
     echo_facts(
         f"{check.name}: valid",
         {

@@ -148,10 +148,10 @@ def explore_command(
     known = known_noise(noise)
     folder = as_folder(source)
     if folder is not None:
-        from geoswarm.solver.report.folder.reading import report_of_folder, run_of_folder
+        from geoswarm.solver.report.folder.reading import report_of_folder
         from geoswarm.solver.report.jsonable import jsonable
 
-        _LocalRun(run_of_folder(folder).problem, folder, workers).explore(runs, known)
+        _run_in(folder, workers).explore(runs, known)
         statistics = report_of_folder(folder, noise=known).statistics
         assert statistics is not None  # as there was something to explore around
         _show_basins(source, jsonable(statistics.to_json()), as_json)
@@ -240,11 +240,20 @@ def _local(source: str, workers: int) -> _LocalRun | None:
 
         return _LocalRun(load_problem(path), None, workers)
     folder = as_folder(source)
-    if folder is None:
-        return None
+    return None if folder is None else _run_in(folder, workers)
+
+
+def _run_in(folder: Path, workers: int) -> _LocalRun:
+    """The finished run in a folder; what a follow-up finds before its end would differ from what it ends with."""
     from geoswarm.solver.report.folder.reading import run_of_folder
 
-    return _LocalRun(run_of_folder(folder).problem, folder, workers)
+    stored = run_of_folder(folder)
+    if stored.record.state == "running":
+        raise BadInputError(
+            f"{folder} holds a run that still calculates minimum and intervals, or was interrupted: "
+            f"'geoswarm run {folder / 'problem.json'} --output {folder} --resume' continues it"
+        )
+    return _LocalRun(stored.problem, folder, workers)
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,6 +66,7 @@ UNFINISHED = (
 
 _NEARLY_ALL = 0.99  # of the objective: what a step to the minimum takes off is no error of readings
 _AS_WELL = 1.05  # times the objective
+_ROUNDING = 1.0 + 1e-9
 
 ON_BOUND = (
     "The best fit lies on the {side} bound of {name}, and the data pull beyond it: widen the bound, unless what lies "
@@ -148,6 +149,8 @@ class Statistics:
         The residuals are those of a polished optimum, not of the best sample.
     basins
         Beyond that of the optimum.
+    at_minimum
+        The values are those of a minimum, not of the best sample.
     """
 
     samples: Samples
@@ -164,6 +167,7 @@ class Statistics:
     fit: FitVerdict
     residuals_at_optimum: bool = False
     basins: Basins = Basins()
+    at_minimum: bool = False
 
     def verdict(self, parameter: str) -> Verdict:
         """The verdict about one parameter."""
@@ -256,14 +260,16 @@ def analyse(
     pearson = correlate(filtered.samples)
     pearson_search = correlate(filtered.samples, coordinates="search")
     projections = project(samples, filtered.threshold.value, bins=bins)
-    if linearisation is not None:  # the minimum is the result, not the best sample
+    best = samples.best
+    lowest = _objective_at(calibration, samples, at_optimum)
+    at_minimum = linearisation is not None and lowest <= float(samples.objectives[best]) * _ROUNDING
+    if linearisation is not None and at_minimum:  # the minimum is the result, not the best sample
         result = linearisation.optimum.tolist()
         projections = tuple(replace(one, best=value) for one, value in zip(projections, result, strict=True))
-    best = samples.best
     at_best = at_optimum or {series: values[best] for series, values in samples.responses.items()}
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
     misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
-    if at_optimum:
+    if at_optimum and at_minimum:
         misfits = calibration.objective.misfits(dict(at_optimum))
     fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
     warnings = [w for r in residuals for w in r.warnings] if fit.kind in ("untested", "error_not_met") else []
@@ -274,7 +280,6 @@ def analyse(
         warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))
     basins = Basins()
     if linearisation is not None and not linearisation.misplaced:
-        lowest = _objective_at(calibration, samples, at_optimum)
         equal = equivalent_objective(calibration, lowest, known)
         every = (*elsewhere, *left)
         others = other_fits(samples, linearisation, equal, lowest, every)
@@ -323,6 +328,7 @@ def analyse(
         fit=fit,
         residuals_at_optimum=bool(at_optimum),
         basins=basins,
+        at_minimum=at_minimum,
     )
 
 

@@ -296,7 +296,7 @@ class FigureSet:
                     float(samples.upper[index]),
                     samples.scales[index] == "log",
                     projection.best,
-                    linearisation is not None,
+                    statistics.at_minimum,
                     good,
                     None if linearisation is None else linearisation.interval(name),
                     0.95 if linearisation is None else linearisation.level,

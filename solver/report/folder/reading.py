@@ -97,7 +97,7 @@ def _run_so_far(folder: Path) -> StoredRun:
         if stored is not None:
             problem = parse_problem({**stored.run.problem, "seed": stored.run.seed}, programs=True)
             result = result_so_far(problem, stored)
-    except (KeyError, ValueError, TypeError) as error:
+    except (KeyError, ValueError, TypeError, OSError) as error:
         raise FolderError(f"{folder / JOURNAL} cannot be read: {type(error).__name__}: {error}") from error
     if problem is None or result is None or (result.answer is None and not result.stop_reasons):
         raise FolderError(f"{folder} holds a search that was interrupted or is still running; {remedy} it")

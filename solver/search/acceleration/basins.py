@@ -98,14 +98,6 @@ class Basins:
         finished = (*self.finished, tuple(centre.tolist()))[-_REMEMBERED:]
         return Basins(finished, None, 0, self.restarts + 1, radius=self.radius)
 
-    def resumed(self, point: FloatArray) -> Basins:
-        """Return the state when the finished basin nearest to a point, shape (d,), is taken up again."""
-        if not self.finished:
-            return self
-        distances = [float(np.abs(np.array(centre) - point).max()) for centre in self.finished]
-        nearest = int(np.argmin(distances))
-        return replace(self, finished=self.finished[:nearest] + self.finished[nearest + 1 :])
-
     def to_json(self) -> dict[str, Any]:
         """Return a JSON-able form."""
         return {

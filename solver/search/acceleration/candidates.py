@@ -243,14 +243,14 @@ class Arms:
         made = np.concatenate([self.knowledge.points, *[p[None] for p in self.taken]])
         return missing_direction(made, self.knowledge.points[self.centre], self.region.radius)
 
-    def promise(self) -> tuple[float, FloatArray]:
-        """Relative decrease of the objective that the surface promises in the trust region, and where, shape (d,)."""
+    def promise(self) -> tuple[float, float]:
+        """Relative decrease of the objective that the surface promises in the trust region, and the step's length."""
         assert self.centre is not None
         ends, values = self._in_region(None, 1.0)
         at = self.knowledge.points[self.centre]
         now = float(self._surface(None).objective(at[None])[0])
         gain = (now - float(values[0])) / max(now, 1e-300)
-        return gain, ends[0]
+        return gain, float(np.abs(ends[0] - at).max())
 
     def _in_region(self, compression: float | None, reach: float) -> tuple[FloatArray, FloatArray]:
         """Minima of a surface in the box of the trust region, lowest first."""

@@ -1,9 +1,8 @@
 """How a descent goes on: its first simplex, steps of the trust region, runs that span a direction, and its end.
 
 A descent is over when its trust region has become small, or promises hardly anything though the runs around its best
-span all directions, or leads to the same point as an earlier one; unless that promises to be better than the best of
-all, and the basin is taken up again. Then d + 1 runs far from all others are made, and the best of these is where the
-next descent begins.
+span all directions, or leads to the same point as an earlier one. Then d + 1 runs far from all others are made, and the
+best of these is where the next descent begins.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration.arms import BEGIN_PATTERN, DESCENT_PATTERN, POISE, Pattern
-from geoswarm.solver.search.acceleration.basins import Basins
 from geoswarm.solver.search.acceleration.candidates import Arms
 from geoswarm.solver.search.acceleration.trust_region import BEGUN, SETTLED, TrustRegion
 
@@ -26,24 +24,19 @@ _STEPS = (1.0, -1.0, 0.5, -0.5, 0.25, -0.25)  # along an axis, in lengths of the
 _LEAST_GAIN, _SMALL = 1e-2, 0.02  # a promise that counts, in a box of at most that half width
 _LEAST_GAIN_OF_BEST = 1e-3  # the same around the best of all: a surface with few runs nearby promises too little
 _LEAST_GAIN_ABOVE, _SMALL_ABOVE = 0.1, 0.15  # the same where even the promise is above the best of all
-_OTHERS, _VERIFIED = 6, 0.005  # descents after which the best of all is taken up again, and in which box
 _SHORT, _SHORTENED = 0.05, 0.3  # a step of so few half widths narrows the box before it is made
 
 
 @dataclass(frozen=True, slots=True)
 class Descent:
-    """The trust region of the next generation, and the arms that take turns in it.
-
-    ``left``: the minimum that is left, if any; ``resumed``: a point whose finished basin is taken up again.
-    """
+    """The trust region of the next generation, the arms that take turns in it, and the minimum that is left, if any."""
 
     region: TrustRegion
     pattern: Pattern
     left: FloatArray | None = None
-    resumed: FloatArray | None = None
 
 
-def next_of_descent(arms: Arms, basins: Basins, count: int) -> Descent:
+def next_of_descent(arms: Arms, count: int) -> Descent:
     """Return how the descent goes on after ``count`` runs; the trust region of the arms is narrowed on the way."""
     known = arms.knowledge
     lacking = known.points.shape[1] + 1 - int((known.numbers >= arms.region.since).sum())
@@ -59,10 +52,9 @@ def next_of_descent(arms: Arms, basins: Basins, count: int) -> Descent:
                 return Descent(arms.region, (POISE, *DESCENT_PATTERN))
             arms.region = arms.region.narrower()
             continue
-        gain, end = arms.promise()
-        radius, length = arms.region.radius, float(np.abs(end - known.points[arms.centre]).max())
-        promised = known.objectives[arms.centre] * (1.0 - gain)
-        above = promised > known.objectives[0]
+        gain, length = arms.promise()
+        radius = arms.region.radius
+        above = known.objectives[arms.centre] * (1.0 - gain) > known.objectives[0]
         if above and gain < _LEAST_GAIN_ABOVE and radius < _SMALL_ABOVE:
             break
         if gain < (_LEAST_GAIN_OF_BEST if arms.first == 0 else _LEAST_GAIN):
@@ -70,17 +62,10 @@ def next_of_descent(arms: Arms, basins: Basins, count: int) -> Descent:
                 break
             arms.region = replace(arms.region, missed=True)
             continue
-        if not basins.admits(end, known.points, known.open):
-            if promised < known.objectives[0] * (1.0 - _LEAST_GAIN_OF_BEST):  # it was left too early
-                return Descent(arms.region, DESCENT_PATTERN, resumed=end)
-            return Descent(TrustRegion(since=count), BEGIN_PATTERN)
         if length < _SHORT * radius:
             arms.region = replace(arms.region, radius=max(_SHORTENED * radius, 2.0 * length))
         return Descent(arms.region, DESCENT_PATTERN)
-    left = known.points[arms.first]
-    if arms.first and (basins.restarts + 1) % _OTHERS == 0:
-        return Descent(TrustRegion(_VERIFIED), DESCENT_PATTERN, left, resumed=known.points[0])
-    return Descent(TrustRegion(since=count), BEGIN_PATTERN, left)
+    return Descent(TrustRegion(since=count), BEGIN_PATTERN, known.points[arms.first])
 
 
 def base_of_simplex(

@@ -227,15 +227,12 @@ class Proposer:
         if polishing:
             pattern = polish_pattern(len(moved))
         elif descending:
-            descent = next_of_descent(arms, basins, len(every) + len(out))
+            descent = next_of_descent(arms, len(every) + len(out))
             if descent.left is not None:
                 if self._polish:
                     self.leaving = True
                     return {}
                 basins = basins.left(descent.left)
-            if descent.resumed is not None:
-                basins = basins.resumed(descent.resumed)
-            if descent.left is not None or descent.resumed is not None:
                 arms = arms_with(basins)
             arms.region, pattern = descent.region, descent.pattern
             if order.size >= LATE * (known.shape[1] + 1) and len(moved) > NARROW:

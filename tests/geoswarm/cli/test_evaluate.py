@@ -131,7 +131,7 @@ def test_check_tells_test_run_and_cost(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["check", path, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["valid"] is True
-    assert (document["planned_evaluations"], document["answer_evaluations"]) == (800, 200)
+    assert (document["planned_evaluations"], document["left_to_answer"]) == (800, 200)
     assert document["data_points"] == 21
     assert document["test_run"]["state"] == "finished"
     assert main(["check", path]) == 0

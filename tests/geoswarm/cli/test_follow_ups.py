@@ -52,6 +52,22 @@ def test_a_folder_keeps_what_was_evaluated(folder: Path, tmp_path: Path, capsys:
     assert "Profile objectives of a, b" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
+def test_sensitivities_elsewhere_do_not_change_the_result(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = tmp_path / "out"
+    copy.mkdir()
+    for file in folder.iterdir():
+        if file.is_file():
+            (copy / file.name).write_bytes(file.read_bytes())
+    assert main(["sensitivity", str(copy), "--at", "a=3", "--at", "b=1", "--no-polish"]) == 0
+    capsys.readouterr()
+    assert main(["statistics", str(copy), "--json"]) == 0
+    found = told(capsys)
+    best = json.loads((copy / "result.json").read_text(encoding="utf-8"))["parameters"]
+    assert {one["parameter"]: one["best"] for one in found["projections"]} == best  # type: ignore[attr-defined]
+
+
 def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     problem = str(folder / "problem.json")
     assert main(["sensitivity", problem]) == 2

@@ -229,6 +229,9 @@ def test_a_kill_in_the_answer_costs_the_runs_in_flight_only(tmp_path: Path, caps
     assert main(["report", str(output), "--html", "--output", str(tmp_path / "report")]) == 0
     assert "continues them" in (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
 
+    assert main(["sensitivity", str(output)]) == 2
+    assert "--resume' continues it" in capsys.readouterr().err
+
     stored = read_journal(output / "run.journal")
     assert stored is not None
     finished, before = set(stored.evaluations), len(calls.read_text(encoding="utf-8").splitlines())
@@ -250,14 +253,12 @@ def test_a_short_answer_is_waited_for(
     assert main(["statistics", str(output)]) == 0
     assert "continues them" in capsys.readouterr().err
     monkeypatch.setattr("geoswarm.solver.report.folder.run_folder._SHORT_ANSWER", 0.0)
-    with monkeypatch.context() as patch:
-        interrupt_at(patch, 2)
-        assert main(["run", problem, "--output", str(output), "--resume"]) == 130
-    early = (output / "result.json").read_text(encoding="utf-8")
-    assert json.loads(early)["state"] == "running"
-    (output / "run.journal").unlink()
+    longer = tmp_path / "longer"
+    cut_off(monkeypatch, problem, longer, 35)
+    assert json.loads((longer / "result.json").read_text(encoding="utf-8"))["state"] == "running"
+    (longer / "run.journal").unlink()
     capsys.readouterr()
-    assert main(["run", problem, "--output", str(output), "--resume"]) == 0
+    assert main(["run", problem, "--output", str(longer), "--resume"]) == 0
     assert "starting a new run" in capsys.readouterr().err
 
 

@@ -77,7 +77,7 @@ def test_submit_wait_and_read_the_result(server: LiveServer, tmp_path: Path) -> 
     async def session() -> None:
         async with AsyncClient(server.url) as client:
             checked = await client.check(line_problem(answer={}))
-            assert (checked.planned_evaluations, checked.answer_evaluations) == (60, 15)
+            assert (checked.planned_evaluations, checked.left_to_answer) == (60, 15)
             submitted = await client.submit(tmp_path / "problem.json", idempotency_key="async-1")
             assert (await client.submit(line_problem(), idempotency_key="async-1")).id == submitted.id
             job = await client.wait(submitted.id, timeout=PATIENCE, on_event=events.append)

@@ -54,7 +54,7 @@ export function checkSection(context, place, judged) {
     const run_ = found.test_run;
     const cost = found.planned_evaluations === null
       ? "not limited by a number of evaluations"
-      : `at most ${count(found.planned_evaluations)} evaluations${found.estimated_seconds === null ? "" : `, about ${duration(found.estimated_seconds)} on one worker`}${found.answer_evaluations ? `; the search leaves ${count(found.answer_evaluations)} of them for minimum and intervals` : ""}`;
+      : `at most ${count(found.planned_evaluations)} evaluations${found.estimated_seconds === null ? "" : `, about ${duration(found.estimated_seconds)} on one worker`}${found.left_to_answer ? `; the search leaves ${count(found.left_to_answer)} of them for minimum and intervals` : ""}`;
     const unit = objectiveUnit(answer.observations.map((one) => answer.series.find(({ name }) => name === one.series)));
     const fact = (name, value) => element("div", {}, element("dt", {}, name), element("dd", {}, value));
     exchange(result,
