@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
+from functools import partial
 
 import pytest
-from sqlalchemy import Connection, select, text, update
+from sqlalchemy import Connection, func, select, text, update
 
 from geoswarm.workers.coordinator.job_exchange import _typical
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.queries.jobs import lock_job
+from geoswarm.workers.queries.queue import note_served
 from geoswarm.workers.queries.workers import register_worker
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
@@ -55,25 +58,69 @@ def test_a_lease_that_ends_while_its_worker_is_heard_of_is_no_try(
     assert (first.state, first.worker) == ("finished", "w1")
 
 
+LEASE = 1.0
+PASS_A_LEASE = select(func.pg_sleep(1.2 * LEASE))
+
+
 @pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
 @pytest.mark.parametrize("briefly", [False, True])
 def test_the_time_of_a_locked_row_is_that_after_the_wait(store: Store, job_id: str, briefly: bool) -> None:
-    held, let_go = threading.Event(), threading.Event()
-    released: list[float] = []
     began: list[float] = []
-
-    def hold(connection: Connection) -> None:
-        lock_job(connection, job_id)
-        held.set()
-        assert let_go.wait(120.0), "nobody waited for the row"
-        released.append(connection.execute(select(database_now())).scalar_one())
 
     def wait(connection: Connection) -> None:
         locked = lock_job(connection, job_id, briefly=briefly)
         assert locked is not None
         began.append(locked.now)
 
-    threads = [threading.Thread(target=store.write, args=(work,)) for work in (hold, wait)]
+    released = held_meanwhile(store, job_id, lambda: store.write(wait))
+    assert began[0] >= released
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_a_lease_that_waited_for_the_job_begins_after_the_wait(store: Store, settings: Settings, job_id: str) -> None:
+    runtime = runtime_for(store, settings, lease_seconds=LEASE)
+    Hand(runtime, job_id, "w1").take()
+    waiting = Hand(runtime, job_id, "w2")
+    released = held_meanwhile(store, job_id, waiting.take)
+    assert waiting.claim is not None
+    assert waiting.claim.now >= released
+    ends = select(evaluations.c.lease_expires_at).where(evaluations.c.worker == "w2")
+    assert store.read(lambda c: c.execute(ends).scalar_one()) >= released + LEASE
+
+
+@pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+def test_a_lease_does_not_wait_for_the_turn_of_its_owner(
+    store: Store, settings: Settings, service: JobService, job_id: str
+) -> None:
+    other = service.submit(PROBLEM)[0].id
+    hand = Hand(runtime_for(store, settings), job_id, "w1")
+
+    def take_meanwhile(connection: Connection) -> None:
+        locked = lock_job(connection, other)
+        assert locked is not None
+        note_served(connection, locked.row)
+        taking = threading.Thread(target=hand.take, daemon=True)
+        taking.start()
+        taking.join(120.0)
+        assert not taking.is_alive(), "it waits for the turn"
+
+    store.write(take_meanwhile)
+    assert hand.claim is not None
+
+
+def held_meanwhile(store: Store, job_id: str, work: Callable[[], object]) -> float:
+    """Hold a job's row for longer than a lease, unchanged, while this work waits for it; return when it was let go."""
+    held, let_go = threading.Event(), threading.Event()
+    released: list[float] = []
+
+    def hold(connection: Connection) -> None:
+        lock_job(connection, job_id)
+        held.set()
+        assert let_go.wait(120.0), "nobody waited for the row"
+        connection.execute(PASS_A_LEASE)
+        released.append(connection.execute(select(database_now())).scalar_one())
+
+    threads = [threading.Thread(target=target) for target in (partial(store.write, hold), work)]
     threads[0].start()
     assert held.wait(120.0), "the row was not locked"
     threads[1].start()
@@ -82,7 +129,7 @@ def test_the_time_of_a_locked_row_is_that_after_the_wait(store: Store, job_id: s
     let_go.set()
     for thread in threads:
         thread.join(120.0)
-    assert began[0] >= released[0]
+    return released[0]
 
 
 # With SQLite one transaction writes at a time: the lease waits, and ends all others that do.

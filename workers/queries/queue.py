@@ -144,11 +144,17 @@ def claimable_jobs(
 
 
 def note_served(connection: Connection, row: Record) -> None:
-    """Note that a worker turns to this job now: it goes to the end of its line, and its line waits for the others."""
+    """Note that a worker turns to this job now: it goes to the end of its line, and its line waits for the others.
+
+    Does not wait for the line, as leases were given before: whoever holds it notes the same.
+    """
     now = _later_than_any()
     values = {"served_at": now, "place": now - SECONDS_A_PRIORITY * row.priority}
     connection.execute(update(jobs).where(jobs.c.id == row.id).values(values))
-    connection.execute(update(turns).where(turns.c.line == row.line).values(served_at=now))
+    line = turns.c.line == row.line
+    if connection.dialect.name == "postgresql":
+        line = turns.c.line == select(turns.c.line).where(line).with_for_update(skip_locked=True).scalar_subquery()
+    connection.execute(update(turns).where(line).values(served_at=now))
 
 
 def mark_rung(connection: Connection, job_ids: Sequence[str]) -> None:
