@@ -152,9 +152,9 @@ def test_a_lease_is_renewed_while_the_row_of_the_job_is_locked(store: Store, set
 
 
 def test_failures_that_take_long_count_in_what_an_evaluation_costs() -> None:
-    quick = [{"seconds": 0.001, "reason": None}] * 14
-    slow = [{"seconds": 30.0, "reason": "timeout"}] * 2
+    quick: list[tuple[float | None, str | None]] = [(0.001, None)] * 14
+    slow: list[tuple[float | None, str | None]] = [(30.0, "timeout")] * 2
     assert _typical(quick, None) == 0.001
     assert _typical([*quick, *slow], None) == pytest.approx(3.75, rel=1e-2)
     assert _typical(slow, 0.5) == 0.5
-    assert _typical([*quick, {"seconds": 0.0, "reason": "infeasible"}], None) == 0.001
+    assert _typical([*quick, (0.0, "infeasible")], None) == 0.001

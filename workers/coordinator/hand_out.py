@@ -6,7 +6,7 @@ import heapq
 from collections import defaultdict, deque
 from collections.abc import Collection
 
-from geoswarm.workers.queries.evaluations import Cell, GenerationRows
+from geoswarm.workers.coordinator.generation_rows import Cell, GenerationRows
 from geoswarm.workers.states.evaluation import Claimed, Duplicated, settle
 
 __all__ = ["HandOut"]
@@ -27,21 +27,25 @@ class HandOut:
         self.rows = rows
         self._now = now
         self._until = now + lease
-        self._pending = deque(cell for cell in rows.cells if cell.status.state == "pending")
+        self._pending = deque(rows.unclaimed())
         self._held: defaultdict[str | None, list[Cell]] = defaultdict(list)
-        for cell in rows.cells:
+        for cell in rows.cells.values():
             if cell.status.state == "running":
                 self._held[cell.status.worker].append(cell)
+        for held in self._held.values():
+            held.sort(key=lambda c: c.particle)
         self._late: tuple[float, list[Cell]] | None = None
 
     @property
     def left(self) -> int:
         """Number of unclaimed evaluations."""
-        return len(self._pending)
+        return self.rows.pending
 
     def choose(self, worker: str, most: int, under_way: Collection[int]) -> list[Cell]:
         """Claim up to a number of evaluations, in their order; ``under_way`` is what the worker is running."""
         chosen: list[Cell] = []
+        if len(self._pending) < min(most, self.left):
+            self._pending.extend(self.rows.read_unclaimed(most - len(self._pending)))
         # Those that it holds already: the answer to an earlier claim was lost.
         for cell in heapq.merge(tuple(self._held[worker]), self._pending, key=lambda c: c.particle):
             if len(chosen) == most:
@@ -65,7 +69,6 @@ class HandOut:
         if chosen:
             self._take_off(chosen)
             self._held[worker].sort(key=lambda c: c.particle)
-            self.rows.read(chosen)
         return chosen
 
     def _take_off(self, chosen: Collection[Cell]) -> None:
@@ -79,13 +82,10 @@ class HandOut:
     def duplicate(self, worker: str, longest: float) -> list[Cell]:
         """Claim an evaluation that has run elsewhere for longer than this [s], once; the first result counts."""
         if self._late is None or self._late[0] != longest:
-            running = [cell for cells in self._held.values() for cell in cells]
-            self.rows.read(running)
-            late = [cell for cell in running if self._is_late(cell, longest)]
-            self._late = (longest, sorted(late, key=lambda c: c.particle))
+            self._late = (longest, [cell for cell in self.rows.read_running() if self._is_late(cell, longest)])
         for cell in self._late[1]:
             before = cell.status
-            if cell.values["duplicates"]:
+            if cell.duplicates:
                 continue
             after, verdict = settle(before, Duplicated(worker))
             if verdict == "duplicated":
@@ -95,5 +95,5 @@ class HandOut:
         return []
 
     def _is_late(self, cell: Cell, longest: float) -> bool:
-        started_at = cell.values["started_at"]
-        return not cell.values["duplicates"] and started_at is not None and self._now - started_at >= longest
+        late = cell.started_at is not None and self._now - cell.started_at >= longest
+        return late and not cell.duplicates

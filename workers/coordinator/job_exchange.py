@@ -15,12 +15,13 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.runs.runlog import RunLog
 from geoswarm.workers.coordinator.ending import changed_criteria
+from geoswarm.workers.coordinator.generation_rows import Cell, GenerationRows, load_generation, reuse, write_new
 from geoswarm.workers.coordinator.hand_out import HandOut
 from geoswarm.workers.coordinator.retry import finish_retry, open_retries
 from geoswarm.workers.coordinator.tries import give_back, record_result
 from geoswarm.workers.coordinator.width import free_slots
 from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, HandIn, Result, Sizing
-from geoswarm.workers.queries.evaluations import Cell, GenerationRows, load_generation, reuse, write_new
+from geoswarm.workers.queries.evaluations import list_results
 from geoswarm.workers.queries.jobs import LockedJob, save_job
 from geoswarm.workers.queries.queue import note_served
 from geoswarm.workers.queries.versions import note_versions
@@ -37,6 +38,9 @@ from geoswarm.workers.states.job import (
 from geoswarm.workers.store.codec import unpack_array
 
 __all__ = ["Closed", "Due", "JobExchange"]
+
+CHUNK = 64  # unclaimed evaluations that are read at first for a worker that takes several
+ENOUGH = 32  # results of generation 0 that tell what a run costs
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,18 +72,10 @@ class JobExchange:
     ----------
     log
         What the search learns from, where it does.
-    large
-        Read only the states of the generation at first: it is probably a large one.
     """
 
     def __init__(
-        self,
-        settings: Settings,
-        log: RunLog | None,
-        connection: Connection,
-        locked: LockedJob,
-        course: Course,
-        large: bool = False,
+        self, settings: Settings, log: RunLog | None, connection: Connection, locked: LockedJob, course: Course
     ) -> None:
         self.settings = settings
         self.sizing = Sizing(
@@ -88,8 +84,6 @@ class JobExchange:
         self.log = log
         self.connection = connection
         self.locked = locked
-        self.large = large
-        self.particles = 0
         self.course = course
         self.failures = course.problem.failures
         self.state: str = locked.row.state
@@ -128,22 +122,18 @@ class JobExchange:
             self.state == "running"
             or any(one.hand_in.generation == generation or one.hand_in.whole_generations for one in asked)
         ):
-            rows = load_generation(self.connection, self.locked.id, generation, briefly=self.large)
-            self.particles = len(rows.cells)
+            rows = self._load(generation, asked)
         dispatched = False
         if asked[0].hand_in.whole_generations:
             rows, dispatched = self._take_whole(rows, asked[0])
         else:
-            if rows is not None:
-                here = [one.hand_in for one in asked if one.hand_in.generation == generation]
-                rows.read([rows.cells[result.particle] for hand_in in here for result in hand_in.results])
             for one in asked:
                 if one.hand_in.claim is not None:
                     self._take_in(rows, one, one.hand_in.generation, one.hand_in.results)
         if self.fatal is not None and self.state == "running" and self.job is not None:
             self._save([apply(self.job, JobBroken(self.fatal))], [])
         while self.state == "running" and rows is not None and rows.complete:
-            rows = self._advance(rows, closed)
+            rows = self._advance(rows, asked, closed)
             dispatched = rows is not None
             if self.due is not None:
                 return [Exchange() for _ in asked]
@@ -171,7 +161,7 @@ class JobExchange:
                 finish_retry(self.connection, self.locked, self.course.problem, gap=self.settings.lease_seconds)
                 return Exchange(left=self.locked.row.retry_to == "running")
             return Exchange()
-        rows = load_generation(self.connection, self.locked.id, generation)
+        rows = self._load(generation, [replace(asked, hand_in=HandIn())])
         want = asked.want and not hand_in.partial
         return self._hand_out(rows, [replace(asked, hand_in=HandIn(), want=want)], False)[0]
 
@@ -185,7 +175,7 @@ class JobExchange:
             and rows.generation == whole_generations[0].generation
             and hand_in.claim is not None
             and hand_in.claim.stopping == self.locked.row.stopping
-            and all(c.status.state == "running" and c.status.worker == worker for c in rows.cells)
+            and rows.undone == rows.size == len(rows.held_by(worker))
         )
         if not valid or rows is None:
             # Paused, cancelled, taken over by others, or to be ended otherwise: the first generation is as good as any
@@ -208,7 +198,7 @@ class JobExchange:
             if self.fatal is not None:
                 transitions.append(apply(final.job, JobBroken(self.fatal)))
         last = [r.evaluation for r in whole_generations[-1].results]
-        self.typical = _typical([{"seconds": e.seconds, "reason": e.reason} for e in last], self.typical)
+        self.typical = _typical([(e.seconds, e.reason) for e in last], self.typical)
         self._save(transitions, [whole_generation.finished_at for whole_generation in whole_generations])
         return next_rows, next_rows is not None
 
@@ -218,15 +208,15 @@ class JobExchange:
         if claim is None:
             return
         late = rows is None or rows.generation != generation
-        own = load_generation(self.connection, self.locked.id, generation) if late or rows is None else rows
-        if not own.cells:
+        own = self._load(generation, [asked]) if late or rows is None else rows
+        if own.size == 0:
             return  # of a generation that was begun in a burst which does not count
         self._record(own, asked.worker, results)
         handed_in = {result.particle for result in results}
         for particle, attempt in zip(claim.particles, claim.attempts, strict=True):
             if not hand_in.partial and particle not in handed_in and generation == claim.generation:
                 killed = particle == hand_in.killed
-                give_back(own, own.cells[particle], asked.worker, attempt, self.locked.now, killed=killed)
+                give_back(own, own.cell(particle), asked.worker, attempt, self.locked.now, killed=killed)
         if late:
             own.write(self.connection)
 
@@ -235,37 +225,36 @@ class JobExchange:
             fatal = record_result(self.connection, rows, result, worker, self.failures)
             self.fatal = self.fatal or fatal
 
-    def _advance(self, rows: GenerationRows, closed: Closed | None) -> GenerationRows | None:
+    def _advance(self, rows: GenerationRows, asked: Sequence[Asked], closed: Closed | None) -> GenerationRows | None:
         """Close a complete generation; return the next one's rows, None when the job has ended or this is due."""
         rows.write(self.connection)
-        rows.read(rows.cells)
-        values = [cell.values for cell in rows.cells]
-        if self.job is None:
-            raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
+        counted = list_results(self.connection, self.locked.id, rows.generation)
         stopping, conclusion = self.locked.row.stopping, None
         if closed is not None and closed.generation == rows.generation and closed.stopping == stopping:
             transition, conclusion = closed.transition, closed.conclusion
+        elif self.job is None:
+            raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
         else:
-            results = [Joined(v["objective"], v["reason"], v["message"]) for v in values]
+            results = [Joined(objective, reason, message) for objective, reason, message, _ in counted]
             seconds = self.locked.run_seconds(self.settings.lease_seconds)
             event = GenerationJoined(
                 rows.generation,
                 results,
                 seconds,
                 criteria=changed_criteria(stopping),
-                situation=self._situation([v["seconds"] or 0.0 for v in values]),
+                situation=self._situation([row.seconds or 0.0 for row in counted]),
             )
             if self._learns():  # takes its time: the database must not wait
                 self.due = Due(self.job, event, stopping)
                 return None
             transition = apply(self.job, event, self.course)
-        self.typical = _typical(values, self.typical)
+        self.typical = _typical([(row.seconds, row.reason) for row in counted], self.typical)
         self._save([transition], [], conclusion)
         if transition.job.state != "running":
             return None
-        return self._following(transition)
+        return self._following(transition, asked)
 
-    def _following(self, transition: Transition) -> GenerationRows:
+    def _following(self, transition: Transition, asked: Sequence[Asked]) -> GenerationRows:
         """Return the rows of the generation under evaluation; write those of one that is begun ahead of it."""
         dispatched = {rows.generation: rows for rows in _all_dispatched(self.locked.id, transition)}
         for rows in dispatched.values():
@@ -275,7 +264,20 @@ class JobExchange:
         following = dispatched.pop(generation, None)
         for rows in dispatched.values():
             rows.write(self.connection)
-        return following or load_generation(self.connection, self.locked.id, generation)
+        return following or self._load(generation, asked)
+
+    def _load(self, generation: int, asked: Sequence[Asked]) -> GenerationRows:
+        """Read of a generation what these workers bring and hold, and what they may get."""
+        brought = [particle for one in asked for particle in one.hand_in.particles()]
+        singly = self.typical is None or self.typical > self.sizing.single_seconds
+        return load_generation(
+            self.connection,
+            self.locked.id,
+            generation,
+            particles=brought,
+            workers={one.worker for one in asked},
+            most=len(asked) * (1 if singly else CHUNK),
+        )
 
     def _situation(self, lengths: Sequence[float]) -> Situation | None:
         """What decides on the size of the next generation, where that is left to the engine."""
@@ -287,7 +289,7 @@ class JobExchange:
     def _worth_reuse(self, rows: GenerationRows) -> bool:
         """Whether to look for earlier runs of the same parameters: where there are some, or a run costs more."""
         if self.log is not None:
-            return self.log.repeats(np.array([unpack_array(cell.parameters) for cell in rows.cells]))
+            return self.log.repeats(np.array([unpack_array(cell.parameters) for cell in rows.cells.values()]))
         return self.typical is not None and self.typical > self.settings.cheap_seconds
 
     def _save(
@@ -312,10 +314,10 @@ class JobExchange:
     def _hand_out(self, rows: GenerationRows, asked: Sequence[Asked], dispatched: bool) -> list[Exchange]:
         """Answer each with a claim, if there is one to be had, and write the generation."""
         if self.typical is None:  # generation 0 teaches what a run costs while it goes on
-            done = [cell for cell in rows.cells if cell.status.done]
-            rows.read(done)
-            self.typical = _typical([cell.values for cell in done], None)
-        out = [rows, *self._ahead(rows)]
+            rows.write(self.connection)
+            counted = list_results(self.connection, self.locked.id, rows.generation, ENOUGH)
+            self.typical = _typical([(row.seconds, row.reason) for row in counted], None)
+        out = [rows, *self._ahead(rows, asked)]
         hand_outs = [HandOut(one, self.locked.now, self.settings.lease_seconds) for one in out]
         # Who dispatches wakes as many as there are chunks: the last one sees what is left.
         answers = [self._answer(hand_outs, one, dispatched and one is asked[-1]) for one in asked]
@@ -337,7 +339,7 @@ class JobExchange:
         want = asked.want and not (asked.hand_in.partial and hand_out.rows.generation != asked.hand_in.generation)
         if not hand_out.left and not under_way:
             hand_out = next((further for further in hand_outs[1:] if further.left), hand_out)
-        chunk = self.sizing.chunk(self.typical, len(hand_out.rows.cells), hand_out.left, live_workers)
+        chunk = self.sizing.chunk(self.typical, hand_out.rows.size, hand_out.left, live_workers)
         if asked.agent is not None:
             chunk = min(chunk, asked.agent.most(self.typical))
         claimed = hand_out.choose(worker, chunk, under_way) if want else []
@@ -352,12 +354,12 @@ class JobExchange:
         waiting = self.typical if want and claim is None and short else None
         return Exchange(claim, rings=max(rings, 0), left=left > 0, waiting=waiting)
 
-    def _ahead(self, rows: GenerationRows) -> list[GenerationRows]:
+    def _ahead(self, rows: GenerationRows, asked: Sequence[Asked]) -> list[GenerationRows]:
         """Rows of the generation that was begun ahead, if there is one."""
         if not self.course.problem.method.may_overlap or self.locked.row.retry_to is not None:
             return []
-        ahead = load_generation(self.connection, self.locked.id, rows.generation + 1, briefly=self.large)
-        return [ahead] if ahead.cells else []
+        ahead = self._load(rows.generation + 1, asked)
+        return [ahead] if ahead.size else []
 
     def _learns(self) -> bool:
         """Whether the job goes on by its stored runs: it does so here, where they are stored."""
@@ -368,7 +370,7 @@ class JobExchange:
     def _claim(self, rows: GenerationRows, cells: Sequence[Cell], *, last: bool) -> Claim:
         whole = (
             self.locked.row.retry_to is None
-            and len(cells) == len(rows.cells)
+            and len(cells) == rows.size
             and self.sizing.burst(self.typical, len(cells))
             and not self._learns()
         )
@@ -387,25 +389,21 @@ class JobExchange:
         )
 
 
-def _typical(results: Sequence[Mapping[str, Any]], before: float | None) -> float | None:
+def _typical(results: Sequence[tuple[float | None, str | None]], before: float | None) -> float | None:
     """Return what an evaluation costs [s]: the median of those that succeeded, or the mean where failures cost more.
 
     Parameters
     ----------
     results
-        ``seconds`` and ``reason`` of each.
+        Seconds and reason of failure of each.
     before
         What was known before, for a generation without one success.
     """
-    succeeded: list[float] = [result["seconds"] for result in results if result["reason"] is None]
+    succeeded = [seconds for seconds, reason in results if reason is None and seconds is not None]
     if not succeeded:
         return before
-    every: list[float] = [result["seconds"] for result in results if result["seconds"] is not None]
+    every = [seconds for seconds, _ in results if seconds is not None]
     return max(statistics.median(succeeded), statistics.fmean(every) if len(every) > len(succeeded) else 0.0)
-
-
-def _pending(rows: GenerationRows) -> int:
-    return sum(cell.status.state == "pending" for cell in rows.cells)
 
 
 def _all_dispatched(job_id: str, transition: Transition) -> list[GenerationRows]:

@@ -26,6 +26,7 @@ from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunKey, RunLog
 from geoswarm.solver.search import Runs
 from geoswarm.workers.coordinator.ending import change_stopping
+from geoswarm.workers.coordinator.generation_rows import GenerationRows, load_generation
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
 from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
 from geoswarm.workers.coordinator.together import Together
@@ -33,11 +34,9 @@ from geoswarm.workers.coordinator.tries import expire_cell, give_back
 from geoswarm.workers.coordinator.work import AgentSide, Asked, Claim, Exchange, HandIn
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.queries.evaluations import (
-    GenerationRows,
     count_failed,
     list_positions,
     list_responses,
-    load_generation,
     renew_leases,
 )
 from geoswarm.workers.queries.jobs import LockedJob, get_problem, lock_job, save_job
@@ -63,10 +62,6 @@ __all__ = ["Runtime"]
 logger = logging.getLogger(__name__)
 
 
-SMALL = 64
-"""Up to so many evaluations of a generation are read at once; two questions for fewer columns cost more."""
-
-
 class Runtime:
     """The coordinator of all jobs in one store; it has no state of its own except a memory of finished runs."""
 
@@ -74,7 +69,6 @@ class Runtime:
         self.store = store
         self.settings = settings
         self.logs: MutableMapping[Course, RunLog] = WeakKeyDictionary()
-        self._large: MutableMapping[Course, bool] = WeakKeyDictionary()
         self._together = Together(self._exchange)
 
     def shortage(self) -> str | None:
@@ -213,8 +207,7 @@ class Runtime:
                 return {}, None
             if locked.row.retry_to is not None:
                 locked = lock_job(connection, job_id) or locked  # the end of it needs all of the row
-            large = self._large.get(course, False)
-            session = JobExchange(self.settings, self.logs.get(course), connection, locked, course, large)
+            session = JobExchange(self.settings, self.logs.get(course), connection, locked, course)
             if session.alone([*what.values()]):
                 return None, None
             admitted = {number: one for number, one in what.items() if _admitted(connection, one)}
@@ -224,7 +217,6 @@ class Runtime:
             for number, answer in answers.items():
                 if (agent := admitted[number].agent) is not None:
                     agent.settles(connection, answer)
-            self._large[course] = session.particles > SMALL
             return answers, session.due
 
         brought = dict(enumerate(asked))
@@ -284,10 +276,10 @@ class Runtime:
             locked = lock_job(connection, job_id)
             if locked is None:
                 return
-            rows = load_generation(connection, job_id, generation)
+            rows = load_generation(connection, job_id, generation, particles=[particle for particle, _ in held])
             for particle, attempt in held:
-                if particle < len(rows.cells):
-                    give_back(rows, rows.cells[particle], worker, attempt, locked.now, killed=False)
+                if particle in rows.cells:
+                    give_back(rows, rows.cell(particle), worker, attempt, locked.now, killed=False)
             rows.write(connection)
 
         self.store.write(work)
@@ -308,10 +300,8 @@ class Runtime:
             expired = 0
             fatal: str | None = None
             heard = live_workers(connection, self.settings.lease_seconds).difference(lost_workers)
-            running = [cell for cell in rows.cells if cell.status.state == "running"]
-            rows.read(running)
-            for cell in running:
-                lease, worker = cell.values["lease_expires_at"], cell.status.worker
+            for cell in rows.read_running():
+                lease, worker = cell.lease_expires_at, cell.status.worker
                 late = 0.0 if lease is None else locked.now - lease
                 if late <= 0.0 and worker not in lost_workers:
                     continue

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from sqlalchemy import Connection
 
 from geoswarm.solver.problem.running import Failures, fatal_message
+from geoswarm.workers.coordinator.generation_rows import Cell, GenerationRows
 from geoswarm.workers.coordinator.work import Result
-from geoswarm.workers.queries.evaluations import Cell, GenerationRows
 from geoswarm.workers.states.evaluation import Claimed, LeaseExpired, LeaseReleased, ResultArrived, settle
 from geoswarm.workers.store.codec import clean_text, pack_json, pack_responses
 from geoswarm.workers.store.database import Record
@@ -25,13 +25,13 @@ def record_result(
     connection: Connection, rows: GenerationRows, result: Result, worker: str, failures: Failures
 ) -> str | None:
     """Store a result; return why it ends the job, or None."""
-    cell = rows.cells[result.particle]
-    if cell.status.attempts == 0:
-        cell.status, _ = settle(cell.status, Claimed(worker))  # begun in the worker that dispatched it
+    cell = rows.cell(result.particle)
     before = cell.status
+    if before.attempts == 0:
+        before, _ = settle(before, Claimed(worker))  # begun in the worker that dispatched it
     # Counted by the number of its first try, or given to two workers: only the list of tries tells whether it is new.
     doubtful = before.done and before.worker == worker and before.attempts != result.attempt
-    if (doubtful or cell.values.get("duplicates")) and _taken_in(rows.tries(connection, cell), cell, result, worker):
+    if (doubtful or cell.duplicates) and _taken_in(rows.tries(connection, cell), cell, result, worker):
         return None
     evaluation = result.evaluation
     reason = evaluation.reason

@@ -102,6 +102,12 @@ class HandIn:
     killed: int | None = None
     partial: bool = False
 
+    def particles(self) -> list[int]:
+        """Particles that it concerns: held, with results, or of the first whole generation."""
+        held = [] if self.claim is None else self.claim.particles
+        first = self.whole_generations[0].results if self.whole_generations else ()
+        return [*held, *(result.particle for result in (*self.results, *first))]
+
     def under_way(self) -> frozenset[int]:
         """Particles that the worker continues with."""
         if self.claim is None or not self.partial:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from sqlalchemy import (
     ColumnElement,
     Connection,
     Select,
+    Update,
     and_,
     bindparam,
     case,
@@ -86,12 +88,14 @@ def _locked(*columns: Any) -> Select[Any]:
 
 # Asked for in every exchange: built once, as building takes as long as the database's answer.
 LOCK = _locked(*COLUMNS)
-# What most exchanges need: the search of a thousand particles is some hundred kilobytes of text.
+# What most exchanges need: the search of a thousand particles is some hundred kilobytes of text, and columns cost time.
 LOCK_BRIEFLY = _locked(
-    *(column for column in COLUMNS if column.name not in LARGE),
+    *(jobs.c[name] for name in ("id", "state", "generation", "dispatched_at", "started_at", "run_seconds", "clock_at")),
+    *(jobs.c[name] for name in ("typical_seconds", "priority", "line", "retry_to", "stopping", "versions", "owner")),
     case((jobs.c.progress.is_(None), None), else_="").label("progress"),
 )
-WHOLE = select(*COLUMNS).where(jobs.c.id == bindparam("job_id"))
+MACHINE = [jobs.c[name] for name in ("state", "progress", "generations", "failures", "stop_reasons", "error")]
+STATE_OF_MACHINE = select(*MACHINE).where(jobs.c.id == bindparam("job_id"))
 CURRENT_GENERATION = select(jobs.c.generation).where(jobs.c.id == bindparam("job_id"), jobs.c.state == "running")
 
 
@@ -113,7 +117,7 @@ class LockedJob:
 
     def job(self) -> Job:
         """Return what the state machine knows of it."""
-        row = self.row if self.brief is None else self.brief.execute(WHOLE, {"job_id": self.id}).one()
+        row = self.row if self.brief is None else self.brief.execute(STATE_OF_MACHINE, {"job_id": self.id}).one()
         failures = unpack_json(row.failures)
         return Job(
             state=row.state,
@@ -221,12 +225,20 @@ def save_job(
             "at_bounds": None if problem is None or found is None else pack_json(problem.at_bounds(found)),
         }
     # Compare and set: the lock makes it certain, the condition proves it.
-    condition = and_(jobs.c.id == locked.id, jobs.c.generation == before.generation, jobs.c.state == before.state)
-    changed = connection.execute(update(jobs).where(condition).values(values))
+    given = {f"to_{name}": value for name, value in values.items()}
+    given |= {"of_id": locked.id, "of_generation": before.generation, "of_state": before.state}
+    changed = connection.execute(_change(tuple(values)), given)
     if changed.rowcount != 1:
         raise RuntimeError(f"job {locked.id} changed while its row was locked")
     if ended:
         insert_deliveries(connection, locked.id, before.owner, after.state, locked.now)
+
+
+@cache
+def _change(names: tuple[str, ...]) -> Update:
+    """Return the statement that writes these columns of a job which still stands where it did."""
+    here = (jobs.c[name] == bindparam(f"of_{name}") for name in ("id", "generation", "state"))
+    return update(jobs).where(*here).values({name: bindparam(f"to_{name}") for name in names})
 
 
 def publish_state(

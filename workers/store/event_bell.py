@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import psycopg
-from sqlalchemy import Connection, Insert, func, insert
+from sqlalchemy import Connection, func, insert
 from sqlalchemy.exc import SQLAlchemyError
 
 from geoswarm.workers.store.database import Store
@@ -21,15 +21,13 @@ log = logging.getLogger(__name__)
 CHANNEL = "geoswarm_events"
 LOOK_SECONDS = 0.5  # how soon the thread notices that it is to end
 AGAIN_SECONDS = 2.0
+EVENTS = insert(events)
+ANNOUNCED = EVENTS.returning(func.pg_notify(CHANNEL, ""))
 
 
 def insert_events(connection: Connection, rows: list[dict[str, Any]]) -> None:
     """Write events. PostgreSQL notifies all listeners on commit, in the same statement."""
-    statement: Insert = insert(events)
-    if connection.dialect.name == "postgresql":
-        connection.execute(statement.returning(func.pg_notify(CHANNEL, "")), rows)
-    else:
-        connection.execute(statement, rows)
+    connection.execute(ANNOUNCED if connection.dialect.name == "postgresql" else EVENTS, rows)
 
 
 class EventBell:
