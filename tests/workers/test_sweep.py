@@ -3,20 +3,22 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from functools import partial
 
 import pytest
-from sqlalchemy import update
+from sqlalchemy import event, select, update
 
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import HandIn
 from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity, is_dead, this_machine
 from geoswarm.workers.operations.sweep import Sweeper
+from geoswarm.workers.operations.sweep_marks import begin_sweep
 from geoswarm.workers.queries.workers import register_worker
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.tables import jobs, workers
+from geoswarm.workers.store.tables import counters, jobs, workers
 from tests.integration.engines import wait_for
 from tests.workers.conftest import MakeWorker, RecordingDoorbell
 from tests.workers.hand import pass_time
@@ -140,3 +142,83 @@ def test_the_sweep_process_frees_what_a_dead_worker_held_and_stops_on_request(
         process.terminate()
         code = process.wait(120.0)
     assert code == 0
+
+
+def sweepers(store: Store, settings: Settings, doorbell: RecordingDoorbell) -> tuple[Sweeper, Sweeper]:
+    first, second = (Sweeper(Runtime(store, settings), doorbell) for _ in range(2))
+    return first, second
+
+
+def set_back(store: Store, seconds: float) -> None:
+    store.write(lambda c: c.execute(update(counters).values(value=counters.c.value - seconds)))
+
+
+def rung_long_ago(store: Store) -> None:
+    store.write(lambda c: c.execute(update(jobs).values(rung_at=None)))
+
+
+def test_of_many_processes_one_sweeps(
+    store: Store, settings: Settings, service: JobService, doorbell: RecordingDoorbell, make_worker: MakeWorker
+) -> None:
+    job_id = service.submit(line())[0].id
+    settings = settings.model_copy(update={"sweep_seconds": 1000.0})
+    worker = make_worker()
+    worker.start()
+    doorbell.rings.clear()
+    first, second = sweepers(store, settings, doorbell)
+    first.look()
+    assert doorbell.rings == [job_id]
+    rung_long_ago(store)
+    statements: list[str] = []
+    count = partial(_note_statement, statements)
+    event.listen(store.engine, "before_cursor_execute", count)
+    second.look()
+    first.look()
+    event.remove(store.engine, "before_cursor_execute", count)
+    assert doorbell.rings == [job_id]
+    assert len([statement for statement in statements if not statement.startswith("BEGIN")]) == 2
+    set_back(store, settings.sweep_seconds)  # whoever comes next, as the one before may be gone
+    second.look()
+    first.look()
+    assert doorbell.rings == [job_id, job_id]
+    set_back(store, -10.0 * settings.sweep_seconds)  # the clock was set back
+    rung_long_ago(store)
+    first.look()
+    assert doorbell.rings == [job_id] * 3
+    worker.close()
+
+
+def _note_statement(statements: list[str], _c: object, _cursor: object, statement: str, *_: object) -> None:
+    statements.append(statement)
+
+
+def test_marks_of_machines_that_have_gone_are_forgotten(
+    store: Store, settings: Settings, doorbell: RecordingDoorbell
+) -> None:
+    store.write(lambda c: begin_sweep(c, "gone", 1.0))
+    set_back(store, 7200.0)
+    sweepers(store, settings, doorbell)[0].look()
+    marks = select(counters.c.label).where(counters.c.name == "sweep")
+    assert store.read(lambda c: set(c.scalars(marks))) == {"everywhere", this_machine()}
+
+
+def test_the_dead_of_a_machine_are_seen_there_although_another_machine_sweeps(
+    store: Store, settings: Settings, service: JobService, doorbell: RecordingDoorbell, make_worker: MakeWorker
+) -> None:
+    process = subprocess.Popen([sys.executable, "-c", ""])
+    process.wait()
+    job_id = service.submit(line())[0].id
+    worker = make_worker()
+    identity = Identity.new("celery", process.pid)
+    worker.identity = identity
+    store.write(lambda c: register_worker(c, identity))
+    claim_one(worker, job_id)
+    settings = settings.model_copy(update={"sweep_seconds": 1000.0})
+    assert store.write(lambda c: begin_sweep(c, "everywhere", 900.0))
+    first, second = sweepers(store, settings, doorbell)
+    first.look()
+    assert [e.state for e in service.evaluations(job_id).items] == ["pending"] * 6
+    claim_one(worker, job_id)
+    store.write(lambda c: c.execute(update(workers).values(lost_at=None)))
+    second.look()  # another process of this machine has looked
+    assert [e.state for e in service.evaluations(job_id).items] == ["running"] + ["pending"] * 5

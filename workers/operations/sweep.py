@@ -1,4 +1,4 @@
-"""The sweep: finds what was lost and rings for it. It runs in every API and worker process; any number may run."""
+"""The sweep: finds what was lost and rings for it. Every API and worker process can; one of them does at a time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from sqlalchemy import Connection
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.errors import StoreUnavailableError
-from geoswarm.workers.identity import is_dead
+from geoswarm.workers.identity import is_dead, this_machine
+from geoswarm.workers.operations.sweep_marks import begin_sweep, due_sweeps
 from geoswarm.workers.operations.tally import tally
 from geoswarm.workers.queries.agents import (
     any_old_leases,
@@ -44,6 +45,7 @@ log = logging.getLogger(__name__)
 
 REMEMBER_LOST_SECONDS = 3600.0
 LONGEST_WAIT_SECONDS = 30.0
+EVERYWHERE = "everywhere"
 
 
 class Sweeper:
@@ -54,6 +56,23 @@ class Sweeper:
         self.doorbell = doorbell
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
+
+    def look(self) -> None:
+        """Sweep, if no other process has in this interval; one process of each machine sees which others are dead.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        settings, store = self.runtime.settings, self.runtime.store
+        since = 0.9 * settings.sweep_seconds
+        due = store.read(lambda c: due_sweeps(c, (EVERYWHERE, this_machine()), since))
+        mine = [label for label in due if store.write(partial(begin_sweep, label=label, seconds=since))]
+        if EVERYWHERE in mine:
+            self.sweep()
+        elif mine:
+            self._free_lost(this_machine())
+        tally.flush(store)
 
     def sweep(self) -> None:
         """Give up silent workers, free their evaluations, keep the clocks of jobs, ring for work nobody knows of.
@@ -66,9 +85,7 @@ class Sweeper:
         """
         settings, store = self.runtime.settings, self.runtime.store
         gap = settings.lease_seconds
-        lost = self._give_up_workers()
-        for row in store.read(lambda c: overdue(c, lost)):
-            self.release(row.job_id, row.generation, lost)
+        self._free_lost()
         # A write transaction only when there is something to write: an idle service leaves its database in peace.
         if store.read(lambda c: clocks_overdue(c, gap / 4)):
             store.write(lambda c: account_running_time(c, gap / 4, gap))
@@ -76,7 +93,6 @@ class Sweeper:
             store.write(lambda c: forget_workers_lost_before(c, REMEMBER_LOST_SECONDS))
         self._end_leases_of_dead_keys()
         self._ring()
-        tally.flush(store)
         empty_journal(store)
 
     def release(self, job_id: str, generation: int, lost_workers: list[str]) -> None:
@@ -96,16 +112,16 @@ class Sweeper:
                 self.doorbell.ring(job_id, expired, kind=row.forward_model)
 
     def start(self) -> None:
-        """Sweep every ``sweep_seconds`` in a thread."""
+        """Look every ``sweep_seconds`` in a thread."""
         self._thread = threading.Thread(target=self.run, name="geoswarm-sweep", daemon=True)
         self._thread.start()
 
     def run(self) -> None:
-        """Sweep until :meth:`stop`; while the database does not answer, ever more rarely."""
+        """Look until :meth:`stop`; while the database does not answer, ever more rarely."""
         wait = self.runtime.settings.sweep_seconds
         while not self._stop.wait(wait):
             try:
-                self.sweep()
+                self.look()
             except StoreUnavailableError as error:
                 wait = min(2 * wait, LONGEST_WAIT_SECONDS)
                 log.warning("sweep: %s", error)
@@ -123,9 +139,16 @@ class Sweeper:
             self._thread.join()
             self._thread = None
 
-    def _give_up_workers(self) -> list[str]:
+    def _free_lost(self, machine: str | None = None) -> None:
+        """Free what nobody works on any more; with a machine, only what its dead workers held."""
+        lost = self._give_up_workers(machine)
+        if lost or machine is None:
+            for row in self.runtime.store.read(lambda c: overdue(c, lost)):
+                self.release(row.job_id, row.generation, lost)
+
+    def _give_up_workers(self, machine: str | None) -> list[str]:
         store, lease = self.runtime.store, self.runtime.settings.lease_seconds
-        known = store.read(lambda c: overdue_workers(c, lease))
+        known = store.read(lambda c: overdue_workers(c, lease, machine))
         lost = [row.id for row in known if row.overdue or is_dead(row.pid, row.machine)]
         if lost:
             log.warning("workers lost: %s", ", ".join(lost))

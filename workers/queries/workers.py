@@ -106,14 +106,12 @@ def current_work(connection: Connection) -> dict[str, Record]:
     return {row.worker: row for row in connection.execute(statement) if row.worker is not None}
 
 
-def overdue_workers(connection: Connection, lease: float) -> Sequence[Record]:
-    """Return workers (id, pid, machine, seen_at, overdue) that have not been given up yet."""
+def overdue_workers(connection: Connection, lease: float, machine: str | None = None) -> Sequence[Record]:
+    """Return workers (id, pid, machine, overdue) that have not been given up yet; None: of all machines."""
     late = workers.c.seen_at < database_now() - lease
-    return connection.execute(
-        select(workers.c.id, workers.c.pid, workers.c.machine, case((late, 1), else_=0).label("overdue")).where(
-            workers.c.lost_at.is_(None)
-        )
-    ).all()
+    columns = (workers.c.id, workers.c.pid, workers.c.machine, case((late, 1), else_=0).label("overdue"))
+    statement = select(*columns).where(workers.c.lost_at.is_(None))
+    return connection.execute(statement if machine is None else statement.where(workers.c.machine == machine)).all()
 
 
 def mark_lost(connection: Connection, worker_ids: Sequence[str]) -> None:
