@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import insert, update
+from sqlalchemy import Connection, insert, update
 
 from geoswarm.workers.access.principal import LOCAL, Principal
-from geoswarm.workers.queries.queue import most_urgent_job, note_served
+from geoswarm.workers.queries.jobs import lock_job
+from geoswarm.workers.queries.queue import most_urgent_job, note_served, take_turn
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -18,6 +19,7 @@ from geoswarm.workers.store.tables import jobs, turns
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import expected_history, line, recorded_history
 
+ON_POSTGRESQL = pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
 ALICE, BOB, ADMIN = Principal("alice", "submit", "a"), Principal("bob", "submit", "b"), Principal("root", "admin", "r")
 
 
@@ -113,6 +115,61 @@ def test_a_small_job_beside_many_of_a_neighbour_gets_half_of_a_worker(
     worker.close()
     assert for_bob > 1
     assert recorded_history(service, small) == expected_history(problem)
+
+
+@ON_POSTGRESQL
+def test_owners_are_served_in_turn_where_the_choice_notes_the_turn(service: JobService) -> None:
+    submit(service, ALICE, 20, priority=10)
+    small = submit(service, BOB, priority=-10)
+    urgent = submit(service, ADMIN, priority=3)
+    rows = [service.store.read(take_turn) for _ in range(4)]
+    assert [row.id for row in rows if row is not None] == urgent * 4
+    service.cancel(urgent[0])
+    rows = [service.store.read(take_turn) for _ in range(12)]
+    order = [(service.get(row.id).owner, row.id) for row in rows if row is not None]
+    assert [owner for owner, _ in order] in (["alice", "bob"] * 6, ["bob", "alice"] * 6)
+    assert {job for owner, job in order if owner == "bob"} == set(small)
+    assert len({job for owner, job in order if owner == "alice"}) == 6
+    assert service.store.read(lambda c: take_turn(c, kinds=("slope",))) is None
+
+
+@ON_POSTGRESQL
+def test_workers_that_come_at_once_turn_to_different_jobs(service: JobService, make_worker: MakeWorker) -> None:
+    ids = submit(service, ALICE, 4)
+    workers = [make_worker() for _ in range(4)]
+    assert [worker.take_turn() for worker in workers] == [(job_id, True) for job_id in ids]
+
+
+@ON_POSTGRESQL
+def test_a_job_that_somebody_has_locked_is_left_to_others(service: JobService, make_worker: MakeWorker) -> None:
+    first, second = submit(service, ALICE, 2)
+    worker = make_worker()
+
+    def choose_meanwhile(connection: Connection) -> None:
+        assert lock_job(connection, first) is not None
+        assert worker.take_turn() == (second, True)
+        assert lock_job(connection, second) is not None
+        assert worker.take_turn() == (first, False)  # it waits for the first in turn
+
+    service.store.write(choose_meanwhile)
+    assert worker.take_turn() == (first, True)
+
+
+@ON_POSTGRESQL
+def test_a_turn_is_noted_once(service: JobService, make_worker: MakeWorker) -> None:
+    first, second = submit(service, ALICE, 2)
+    worker = make_worker(slice_seconds=0.0, burst_seconds=0.0, cheap_seconds=0.0, single_seconds=1e-9)
+
+    def served_at() -> list[float | None]:
+        rows = service.store.read(lambda c: c.execute(jobs.select().order_by(jobs.c.created_at)).all())
+        return [row.served_at for row in rows]
+
+    assert worker.take_turn() == (first, True)
+    noted = served_at()
+    worker.serve(first, noted=True)
+    assert served_at() == noted
+    worker.serve(second)
+    assert served_at()[1] is not None
 
 
 def test_a_long_list_makes_the_choice_no_dearer(tmp_path: Path) -> None:

@@ -327,7 +327,7 @@ class JobExchange:
         if given:
             calculating = {one.worker: None if one.agent is None else one.agent.versions for one in given}
             note_versions(self.connection, self.locked, calculating)
-        if any(one.taken_up for one in asked):
+        if any(one.taken_up and not one.noted for one in asked):
             note_served(self.connection, self.locked.row)
         return answers
 

@@ -175,6 +175,7 @@ class Runtime:
         live_workers: int,
         want: bool,
         taken_up: bool = False,
+        noted: bool = False,
         agent: AgentSide | None = None,
     ) -> Exchange:
         """Accept the results of a worker, advance the job when its generation is complete, and hand out the next claim.
@@ -185,8 +186,8 @@ class Runtime:
             Number of workers that share the job's evaluations.
         want
             Whether the worker takes a new claim; it gets none while the disk is short.
-        taken_up
-            The worker turns to this job now: the others move up in the line.
+        taken_up, noted
+            The worker turns to this job now: the others move up in the line, if that was not noted before.
         agent
             What stands between it and the database, where the worker is the slot of an agent.
 
@@ -194,7 +195,7 @@ class Runtime:
         :mod:`geoswarm.workers.coordinator.together`.
         """
         want = want and self.shortage() is None
-        return self._together.ask(job_id, course, Asked(worker, hand_in, live_workers, want, taken_up, agent))
+        return self._together.ask(job_id, course, Asked(worker, hand_in, live_workers, want, taken_up, noted, agent))
 
     def _exchange(self, job_id: str, course: Course, asked: Sequence[Asked]) -> list[Exchange]:
         """Exchange for several workers in one transaction, or one by one where that cannot be."""

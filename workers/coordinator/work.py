@@ -142,8 +142,8 @@ class Asked:
         Number of workers that share the job's evaluations.
     want
         Whether it takes a new claim.
-    taken_up
-        It turns to this job now.
+    taken_up, noted
+        It turns to this job now, and that was noted before.
     agent
         What stands between it and the database, where the worker is the slot of an agent.
     """
@@ -153,6 +153,7 @@ class Asked:
     live_workers: int
     want: bool
     taken_up: bool = False
+    noted: bool = False
     agent: AgentSide | None = None
 
 

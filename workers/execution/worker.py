@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Collection
 from functools import partial
 
 from cachetools import LRUCache
@@ -29,7 +30,7 @@ from geoswarm.workers.identity import Identity
 from geoswarm.workers.operations.tally import tally
 from geoswarm.workers.queries.jobs import current_generation, get_problem
 from geoswarm.workers.queries.offers import read_offer
-from geoswarm.workers.queries.queue import most_urgent_job
+from geoswarm.workers.queries.queue import most_urgent_job, take_turn
 from geoswarm.workers.queries.workers import count_live, forget_worker
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -105,6 +106,32 @@ class Worker:
         urgent = self.most_urgent()
         return None if urgent is None else urgent.id
 
+    def take_turn(self) -> tuple[str, bool] | None:
+        """Return the same job, and whether it is noted already that this worker turns to it.
+
+        If so, the workers that come next choose other jobs, and do not wait for this one's first exchange.
+
+        Raises
+        ------
+        StoreUnavailableError
+        """
+        if (noted := self._note_turn()) is not None:
+            return noted.id, True
+        urgent = self.most_urgent()
+        if urgent is None:
+            return None
+        # Another worker was faster, or an exchange has the job locked: that one is left to others, if there are any.
+        for passing in ((), (urgent.id,)):
+            if (noted := self._note_turn(passing)) is not None:
+                return noted.id, True
+        return urgent.id, False
+
+    def _note_turn(self, passing: Collection[str] = ()) -> Record | None:
+        if self.store.engine.dialect.name != "postgresql":
+            return None
+        note = partial(take_turn, kinds=self.settings.kinds, without=self.slots.full(), passing=passing)
+        return self.store.read(note)  # one statement: a transaction around it would hold its locks for longer
+
     def most_urgent(self) -> Record | None:
         """Return ``id`` and ``forward_model`` of the same job.
 
@@ -130,8 +157,10 @@ class Worker:
             )
         )
 
-    def serve(self, job_id: str) -> None:
+    def serve(self, job_id: str, noted: bool = False) -> None:
         """Work on a job until nothing can be claimed or the time slice ends; never raises.
+
+        ``noted``: that it turns to this job was noted, see :meth:`take_turn`.
 
         A bug anywhere in the job's own code ends this job as failed, not the worker.
         """
@@ -145,7 +174,7 @@ class Worker:
             elif self._make_ready(job_id, course):
                 with self.slots.hold(_kind(course)) as free:
                     if free:
-                        self._work(job_id, course)
+                        self._work(job_id, course, noted)
         except StoreUnavailableError as error:
             # Whatever was claimed comes back through its lease.
             log.warning("worker %s: %s", self.identity.id, error, extra=extra)
@@ -163,11 +192,11 @@ class Worker:
         tell = partial(self.runtime.tell_kernels, job_id)
         return make_ready(self._evaluator, course.problem, unwanted=self.stopping.is_set, tell=tell)
 
-    def _work(self, job_id: str, course: Course) -> None:
+    def _work(self, job_id: str, course: Course, noted: bool) -> None:
         if self.heartbeat.late:
             # The database is too slow for all that ask: fewer claims, so that leases are renewed in time.
             self.stopping.wait(self.settings.lease_seconds / 4)
-        turn = _Turn(self, job_id)
+        turn = _Turn(self, job_id, noted)
         self._count_live()
         answer = self._exchange(job_id, course, HandIn(), turn)
         if answer.queued:
@@ -247,6 +276,7 @@ class Worker:
             live_workers=self._live_workers,
             want=want,
             taken_up=turn.begins,
+            noted=turn.noted,
         )
         turn.begins = turn.begins and answer.queued
         return answer
@@ -312,12 +342,14 @@ def _kind(course: Course) -> str:
 class _Turn:
     """How long a worker stays with a job: a slice of time, and another one where nobody else waits."""
 
-    def __init__(self, worker: Worker, job_id: str) -> None:
+    def __init__(self, worker: Worker, job_id: str, noted: bool = False) -> None:
         self._worker = worker
         self._job_id = job_id
         self._ended = False
         self.begins = True
         """The job goes to the end of the line with the next exchange."""
+        self.noted = noted
+        """It is there already."""
         self.until = time.monotonic() + worker.settings.slice_seconds
 
     def end(self) -> None:
@@ -335,5 +367,5 @@ class _Turn:
         ends = self.until - (0.5 * slice_seconds if soon else 0.0)
         if time.monotonic() >= ends and self._worker.next_job() in (None, self._job_id):
             self.until = time.monotonic() + slice_seconds
-            self.begins = True
+            self.begins, self.noted = True, False
         return time.monotonic() < self.until

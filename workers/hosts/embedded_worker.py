@@ -59,15 +59,15 @@ def _work(worker: Worker, doorbell: PipeDoorbell, settings: Settings) -> None:
     wait = settings.poll_seconds
     while not worker.stopping.is_set():
         try:
-            job_id = worker.next_job()
+            turn = worker.take_turn()
         except StoreUnavailableError as error:
             log.warning("worker %s: %s", worker.identity.id, error)
             worker.stopping.wait(wait)
             continue
-        if job_id is None:
+        if turn is None:
             doorbell.wait(wait)
         else:
-            worker.serve(job_id)
+            worker.serve(*turn)
 
 
 def _follow_parent(worker: Worker, grace: float) -> None:

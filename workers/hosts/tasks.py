@@ -50,11 +50,12 @@ class _Process:
         worker = self.worker
         until = time.monotonic() + worker.settings.slice_seconds
         try:
-            while not worker.stopping.is_set() and (urgent := worker.most_urgent()) is not None:
-                if time.monotonic() > until:
-                    self.doorbell.ring(urgent.id, kind=urgent.forward_model)  # one ring was used, one for what is left
+            while not worker.stopping.is_set() and time.monotonic() <= until:
+                if (turn := worker.take_turn()) is None:
                     return
-                worker.serve(urgent.id)
+                worker.serve(*turn)
+            if not worker.stopping.is_set() and (urgent := worker.most_urgent()) is not None:
+                self.doorbell.ring(urgent.id, kind=urgent.forward_model)  # one ring was used, one for what is left
         except StoreUnavailableError as error:
             log.warning("worker %s: %s", worker.identity.id, error)
 

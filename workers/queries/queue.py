@@ -29,12 +29,22 @@ from sqlalchemy import (
     true,
     update,
 )
+from sqlalchemy.sql.dml import ReturningUpdate
 
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import OPEN, evaluations, jobs, turns
 
-__all__ = ["REOPENED", "claimable_jobs", "first_place", "mark_rung", "most_urgent_job", "note_served", "open_needs"]
+__all__ = [
+    "REOPENED",
+    "claimable_jobs",
+    "first_place",
+    "mark_rung",
+    "most_urgent_job",
+    "note_served",
+    "open_needs",
+    "take_turn",
+]
 
 SECONDS_A_PRIORITY = 10.0
 CLOCK_STEP = 1e-6  # [s], four times what a float of seconds since 1970 can tell apart
@@ -104,6 +114,15 @@ def _most_urgent(
         wanted = and_(wanted, jobs.c.needs.in_(sorted(needs)))
     if limited:
         wanted = and_(wanted, func.coalesce(jobs.c.typical_seconds, 0.0) <= bindparam("left", type_=Double()))
+    chosen = _choice(wanted)
+    if overdue is None:
+        return chosen, None
+    late = select(jobs.c.id, jobs.c.forward_model).where(wanted, _late(*overdue))
+    return chosen, late.order_by(jobs.c.place).limit(1)
+
+
+def _choice(wanted: ColumnElement[bool]) -> Select[Any]:
+    """Return what asks for the job whose turn it is among the wanted ones."""
     first = (
         select(jobs.c.id)
         .where(jobs.c.line == turns.c.line, wanted, _ready())
@@ -115,12 +134,42 @@ def _most_urgent(
     firsts = select(turns.c.served_at, first.label("id")).cte("firsts").prefix_with("MATERIALIZED")  # found once
     since = func.coalesce(firsts.c.served_at, jobs.c.created_at - SECONDS_A_PRIORITY)
     turn = _of_job(since - SECONDS_A_PRIORITY * jobs.c.shared_priority, firsts.c.id)
-    chosen = select(firsts.c.id, _of_job(jobs.c.forward_model, firsts.c.id).label("forward_model"))
-    chosen = chosen.where(firsts.c.id.is_not(None)).order_by(turn, firsts.c.id).limit(1)
-    if overdue is None:
-        return chosen, None
-    late = select(jobs.c.id, jobs.c.forward_model).where(wanted, _late(*overdue))
-    return chosen, late.order_by(jobs.c.place).limit(1)
+    shown = (_of_job(column, firsts.c.id).label(column.name) for column in (jobs.c.forward_model, jobs.c.served_at))
+    return select(firsts.c.id, *shown).where(firsts.c.id.is_not(None)).order_by(turn, firsts.c.id).limit(1)
+
+
+@lru_cache(maxsize=64)
+def _turn(kinds: frozenset[str], without: frozenset[str]) -> ReturningUpdate[Any]:
+    """Return what chooses the job whose turn it is and notes it, in one statement of PostgreSQL."""
+    passing = jobs.c.id.not_in(bindparam("passing", expanding=True))
+    chosen = _choice(and_(WAITING, _of_kinds(kinds, without), passing)).cte("chosen")
+    same = and_(jobs.c.id == chosen.c.id, jobs.c.served_at.is_not_distinct_from(chosen.c.served_at))
+    now = _later_than_any()
+    free = select(jobs.c.id, jobs.c.line, jobs.c.priority, now.label("now"), chosen.c.forward_model).where(same)
+    taken = free.with_for_update(skip_locked=True, of=jobs).cte("taken")
+    free_line = select(turns.c.line, taken.c.now).where(turns.c.line == taken.c.line)
+    line = free_line.with_for_update(skip_locked=True, of=turns).cte("line")
+    served = update(turns).where(turns.c.line == line.c.line).values(served_at=line.c.now)
+    values = {"served_at": taken.c.now, "place": taken.c.now - SECONDS_A_PRIORITY * taken.c.priority}
+    noted = update(jobs).where(jobs.c.id == taken.c.id).values(values).returning(jobs.c.id, taken.c.forward_model)
+    return noted.add_cte(served.returning(turns.c.line).cte("served"))
+
+
+def take_turn(
+    connection: Connection, *, kinds: Collection[str] = (), without: Collection[str] = (), passing: Collection[str] = ()
+) -> Record | None:
+    """Return the job of :func:`most_urgent_job` and note that a worker turns to it: the next one chooses another.
+
+    PostgreSQL only; waits for nobody. None: there is nothing to do, or another worker took this turn, or an exchange
+    has the job locked.
+
+    Parameters
+    ----------
+    passing
+        None of these jobs.
+    """
+    statement = _turn(frozenset(kinds), frozenset(without))
+    return connection.execute(statement, {"passing": list(passing)}).one_or_none()
 
 
 def claimable_jobs(
