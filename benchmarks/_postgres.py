@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+import threading
+import time
+from typing import Any
+
 import psutil
 import psycopg
+from sqlalchemy import Connection, event, text
+
+from geoswarm.workers.coordinator import runtime
+from geoswarm.workers.store import Store
 
 
 class PostgresWork:
@@ -45,3 +53,47 @@ class PostgresWork:
     def wal(self) -> int:
         """Return the bytes written ahead."""
         return self.number("SELECT pg_current_wal_lsn() - '0/0'::pg_lsn")
+
+
+class LockTimes:
+    """How long transactions have the row of a job locked [s]: from the answer to its lock to its commit."""
+
+    def __init__(self, store: Store) -> None:
+        self.seconds: list[float] = []
+        self._local = threading.local()
+        self._lock_job = runtime.lock_job
+        runtime.lock_job = self._lock  # type: ignore[assignment]
+        event.listen(store.engine, "commit", self._commit)
+
+    def _lock(self, *given: Any, **more: Any) -> Any:
+        locked = self._lock_job(*given, **more)
+        self._local.since = time.perf_counter()
+        return locked
+
+    def _commit(self, _connection: object) -> None:
+        since, self._local.since = getattr(self._local, "since", None), None
+        if since is not None:
+            self.seconds.append(time.perf_counter() - since)
+
+    def close(self) -> None:
+        """Lock as before."""
+        runtime.lock_job = self._lock_job
+
+
+def accounts(store: Store) -> tuple[int, str]:
+    """Return the number of lost leases, and what is wrong with the accounts of jobs."""
+
+    def look(connection: Connection) -> tuple[int, str]:
+        lost = connection.scalar(text("SELECT count(*) FROM attempts WHERE outcome = 'worker_lost'"))
+        wrong = connection.execute(
+            text(
+                "SELECT jobs.id FROM jobs LEFT JOIN"
+                " (SELECT e.job_id, count(*) AS ended, count(DISTINCT e.generation) AS n"
+                " FROM evaluations e JOIN jobs j ON j.id = e.job_id AND e.generation < j.generation"
+                " WHERE e.state = 'finished' GROUP BY e.job_id) AS found ON found.job_id = jobs.id"
+                " WHERE (jobs.evaluations, jobs.generations) <> (coalesce(found.ended, 0), coalesce(found.n, 0))"
+            )
+        ).all()
+        return int(lost or 0), f"{len(wrong)} jobs disagree" if wrong else "agree"
+
+    return store.read(look)

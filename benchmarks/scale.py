@@ -1,18 +1,21 @@
 """How many workers the engine carries: simulated ones against the real coordinator and store on PostgreSQL.
 
-    python benchmarks/scale.py [--workers 1,10,100,1000] [--seconds 0.1,1,10,60] [--jobs 1,100] [--window 20]
+    python benchmarks/scale.py [--workers 16,64,128,256,400,1000] [--seconds 1,10] [--particles 100,1000] [--jobs 1,100]
     python benchmarks/scale.py --workers 1000 --seconds 10 --jobs 1 --alone    # one transaction for each exchange
     python benchmarks/scale.py --costs    # processor time of an exchange, without load
 
 A simulated worker claims and hands in through :class:`geoswarm.workers.coordinator.runtime.Runtime`, as an agent's
 requests do inside a service, and sleeps in place of the forward run, whose result is made up. They are tasks of one
-process with a pool of threads, as those of a service, and share its connections. Every generation has as many particles
-as its job has workers. PostgreSQL is started beside it and flushes to the disk.
+process with a pool of threads, as those of a service, and share its connections. They renew their leases, and a sweep
+ends those that are overdue. Particles: 0 means as many as the job has workers. PostgreSQL is started beside it and
+flushes to the disk.
 
 Columns: exchanges a second; latency from asking to the answer, median and 95th percentile; share of the time in which
 workers have a run (100 % would be ideal, as the runs of a generation take equally long); processor time of an
-exchange in this process and in PostgreSQL; backends that wait for a lock, in the mean; WAL an evaluation; connections;
-memory of this process and of all backends (proportional).
+exchange in this process and in PostgreSQL; how long a transaction has the job locked, median, and that time for each
+exchange, mean; backends that wait for a lock, in the mean; WAL an evaluation; connections; memory of this process and
+of all backends (proportional); leases that were lost; whether the accounts agree (every generation complete and counted
+once).
 """
 
 # ruff: noqa: E402  the number of threads must be set before the numerical libraries are imported
@@ -42,7 +45,7 @@ import numpy as np
 import psutil
 import psycopg
 
-from benchmarks._postgres import PostgresWork
+from benchmarks._postgres import LockTimes, PostgresWork, accounts
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.course import Course
 from geoswarm.solver.problem import parse_problem
@@ -50,6 +53,7 @@ from geoswarm.solver.system.processes import memory_of
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, HandIn, Result
 from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
@@ -60,8 +64,8 @@ from tests.servers import PostgresServer
 IDLE_SECONDS = 2.0  # a worker that nobody rings for looks by itself
 READINGS = 20
 HEADINGS = (
-    "workers | jobs | run s | exchanges/s | median ms | p95 ms | busy % | own ms | PostgreSQL ms | waiting | WAL kB |"
-    " connections | MB"
+    "workers | jobs | particles | run s | exchanges/s | median ms | p95 ms | busy % | own ms | PostgreSQL ms |"
+    " locked ms | waiting | WAL kB | connections | MB | lost | accounts"
 )
 
 
@@ -137,6 +141,8 @@ class Load:
         self.alone = alone
         self.tally = Tally()
         self.under_way: dict[object, float] = {}
+        self.held: dict[str, Claim] = {}
+        self.locks = LockTimes(runtime.store)
         self.pool = ThreadPoolExecutor(threads, "exchange")
         self.template = np.zeros(READINGS)
         self.random = np.random.default_rng(1)
@@ -162,7 +168,18 @@ class Load:
             if answer.claim is None:
                 await job.wait()
                 continue
+            self.held[name] = answer.claim
             hand_in = await self._run(answer.claim)
+            del self.held[name]
+
+    async def beat(self) -> None:
+        """Renew all leases, for ever, as each worker does for its own."""
+        loop = asyncio.get_running_loop()
+        while True:
+            await asyncio.sleep(self.runtime.settings.heartbeat_seconds)
+            held = list(self.held.items())
+            renew = self.runtime.renew
+            await asyncio.gather(*(loop.run_in_executor(self.pool, renew, claim, name) for name, claim in held))
 
     def _exchange(self, job: Job, name: str, hand_in: HandIn, turn: bool) -> Exchange:
         if self.alone:
@@ -237,18 +254,21 @@ async def measure(load: Load, server: Server, warm: float, window: float) -> dic
     """Run the load; return what one line of the table says."""
     numbers = itertools.count()
     tasks = [asyncio.create_task(load.worker(next(numbers), job)) for job in load.jobs for _ in range(job.workers)]
+    beating = asyncio.create_task(load.beat())
     await asyncio.sleep(warm)
     own = psutil.Process()
     server.waiting.clear()
+    load.locks.seconds.clear()
     wal, cpu, mine = server.wal(), server.seconds(), sum(own.cpu_times()[:2])
     tally = load.tally = Tally(open=True, began=time.perf_counter(), under_way=load.under_way)
     await asyncio.sleep(window)
     tally.close()
     elapsed = time.perf_counter() - tally.began
     wal, cpu, mine = server.wal() - wal, server.seconds() - cpu, sum(own.cpu_times()[:2]) - mine
-    for task in tasks:
+    locked = list(load.locks.seconds)
+    for task in (*tasks, beating):
         task.cancel()
-    await asyncio.gather(*tasks, return_exceptions=True)
+    await asyncio.gather(*tasks, beating, return_exceptions=True)
     count = len(tally.latencies)
     workers = len(tasks)
     cuts = statistics.quantiles(tally.latencies, n=20) if count > 1 else [0.0] * 19
@@ -260,6 +280,8 @@ async def measure(load: Load, server: Server, warm: float, window: float) -> dic
         "busy": 100.0 * tally.busy / (workers * elapsed),
         "own": 1e3 * mine / max(count, 1),
         "postgres": 1e3 * cpu / max(count, 1),
+        "locked": 1e3 * statistics.median(locked or [0.0]),
+        "locked_each": 1e3 * sum(locked) / max(count, 1),
         "locks": statistics.fmean(server.waiting) if server.waiting else 0.0,
         "wal": wal / max(tally.evaluations, 1) / 1e3,
         "memory": own.memory_info().rss / 2**20,
@@ -268,7 +290,7 @@ async def measure(load: Load, server: Server, warm: float, window: float) -> dic
 
 @contextmanager
 def case(
-    server: PostgresServer, workers: int, jobs: int, options: argparse.Namespace, seconds: float
+    server: PostgresServer, workers: int, jobs: int, particles: int, options: argparse.Namespace, seconds: float
 ) -> Iterator[tuple[Load, str]]:
     """A database with jobs, and workers for them; the URL of it."""
     url = server.create_database()
@@ -277,12 +299,16 @@ def case(
     service = JobService(store, MuteDoorbell(), settings)
     share = max(1, workers // jobs)
     count = min(jobs, workers)
-    ids = [service.submit(parse_problem(problem(max(share, 2))))[0].id for _ in range(count)]
+    ids = [service.submit(parse_problem(problem(particles or max(share, 2))))[0].id for _ in range(count)]
     made = [Job(store, job_id, share) for job_id in ids]
     load = Load(Runtime(store, settings), made, seconds, options.spread, options.threads, alone=options.alone)
+    sweeper = Sweeper(load.runtime, MuteDoorbell())
+    sweeper.start()
     try:
         yield load, url
     finally:
+        sweeper.stop()
+        load.locks.close()
         load.pool.shutdown(wait=True, cancel_futures=True)
         store.close()
         server.drop_database(url)
@@ -342,8 +368,9 @@ def numbers(text: str, kind: type[Any]) -> list[Any]:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--workers", default="1,10,100,1000")
-    parser.add_argument("--seconds", default="0.1,1,10,60")
+    parser.add_argument("--workers", default="16,64,128,256,400,1000")
+    parser.add_argument("--seconds", default="1,10")
+    parser.add_argument("--particles", default="100,1000", help="of a generation; 0: as many as workers of the job")
     parser.add_argument("--jobs", default="1,100")
     parser.add_argument("--window", type=float, default=20.0, help="time that is measured, at least two runs [s]")
     parser.add_argument("--threads", type=int, default=16, help="threads and connections of the service")
@@ -358,24 +385,29 @@ def main() -> None:
             costs(server, numbers(options.together, int))
         return
     print(f"| {HEADINGS} |")
-    print("|---|---|---|---|---|---|---|---|---|---|---|---|---|", flush=True)
+    print("|" + (HEADINGS.count("|") + 1) * "---|", flush=True)
     with PostgresServer(durable=True) as server:
-        for jobs, workers, seconds in itertools.product(
-            numbers(options.jobs, int), numbers(options.workers, int), numbers(options.seconds, float)
+        for jobs, particles, seconds, workers in itertools.product(
+            numbers(options.jobs, int),
+            numbers(options.particles, int),
+            numbers(options.seconds, float),
+            numbers(options.workers, int),
         ):
             if workers < jobs and jobs > 1:
                 continue
-            with case(server, workers, jobs, options, seconds) as (load, url):
+            with case(server, workers, jobs, particles, options, seconds) as (load, url):
                 assert server.pid is not None
                 watch = Server(url, server.pid)
                 warm = max(3.0, 1.5 * seconds)
                 found = asyncio.run(measure(load, watch, warm, max(options.window, 2.0 * seconds)))
                 watch.close()
+                lost, agree = accounts(load.runtime.store)
             print(
-                f"| {workers} | {min(jobs, workers)} | {seconds:g} | {found['exchanges']:.1f} | {found['median']:.1f} |"
-                f" {found['p95']:.1f} | {found['busy']:.1f} | {found['own']:.2f} | {found['postgres']:.2f} |"
+                f"| {workers} | {min(jobs, workers)} | {particles or 'as workers'} | {seconds:g} |"
+                f" {found['exchanges']:.1f} | {found['median']:.1f} | {found['p95']:.1f} | {found['busy']:.1f} |"
+                f" {found['own']:.2f} | {found['postgres']:.2f} | {found['locked']:.1f}, {found['locked_each']:.2f} |"
                 f" {found['locks']:.1f} | {found['wal']:.1f} | {watch.connections} |"
-                f" {found['memory']:.0f} + {watch.memory:.0f} |",
+                f" {found['memory']:.0f} + {watch.memory:.0f} | {lost} | {agree} |",
                 flush=True,
             )
 
