@@ -81,10 +81,10 @@ class LockTimes:
 
 
 def accounts(store: Store) -> tuple[int, str]:
-    """Return the number of lost leases, and what is wrong with the accounts of jobs."""
+    """Return the number of leases that ended before their run, and what is wrong with the accounts of jobs."""
 
     def look(connection: Connection) -> tuple[int, str]:
-        lost = connection.scalar(text("SELECT count(*) FROM attempts WHERE outcome = 'worker_lost'"))
+        lost = connection.scalar(text("SELECT sum(value) FROM counters WHERE name = 'lease_expirations'"))
         wrong = connection.execute(
             text(
                 "SELECT jobs.id FROM jobs LEFT JOIN"
