@@ -68,6 +68,8 @@ class Observation:
         Number of readings behind x and y: points may be means of several.
     mean_error
         Standard deviation of a point over that of a reading, from ``points.independent``; 1 where that is not known.
+    extent
+        The largest less the smallest reading behind y, base unit.
     """
 
     series: str
@@ -90,6 +92,7 @@ class Observation:
     gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
     readings: float = 0.0
     mean_error: float = 1.0
+    extent: float = 0.0
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -131,6 +134,7 @@ class Observation:
             weight=None if weight is None else [weight[i] for i in kept],
             readings=None if readings is None else [readings[i] for i in kept],
             independent=independent,
+            range=_range_of(self.points, self.chosen),
             inputs={name: [values[i] for i in kept] for name, values in self.points.inputs.items()},
             gross_errors=(),
         )
@@ -147,6 +151,15 @@ def _mean_error(points: Points, chosen: BoolArray) -> float:
     if points.independent is None:
         return 1.0
     return math.sqrt(int(chosen.sum()) / max(points.independent * _share(points, chosen), 1.0))
+
+
+def _range_of(points: Points, chosen: BoolArray) -> float | None:
+    """Range of the readings behind the chosen points, in the user's unit: as much wider than theirs as that of all."""
+    if points.range is None:
+        return None
+    y = np.array(points.y)
+    whole = float(np.ptp(np.delete(y, points.gross_errors)))
+    return points.range * (float(np.ptp(y[chosen])) / whole if whole > 0.0 else 1.0)
 
 
 def build_observations(
@@ -234,6 +247,9 @@ def _build(
         return None, [Issue(place, "all points that take part have weight 0; at least one must be above 0")]
     for array in (x, y, weights, gross_x, gross_y):
         array.flags.writeable = False
+    with np.errstate(over="ignore"):
+        extent = _difference(_range_of(points, chosen), units["y"], info)
+        extent = float(np.ptp(y)) if extent is None else extent
     deviation = _difference(section.error, units["y"], info)
     mean_error = _mean_error(points, chosen)
     if deviation is not None:
@@ -265,6 +281,7 @@ def _build(
             gross_y=gross_y,
             readings=float(count.sum()),
             mean_error=mean_error,
+            extent=extent,
         ),
         [],
     )
@@ -371,7 +388,7 @@ def _checked_x(
     outside = (x < low - slack) | (x > high + slack)
     if outside.any():
         places = np.flatnonzero(outside)
-        found = f"{shown(int(places[0]))} is outside series '{info.name}', which has {info.x_quantity} {_range(info)}"
+        found = f"{shown(int(places[0]))} is outside series '{info.name}', which has {info.x_quantity} {_limits(info)}"
         if len(places) > 1:
             values = [given[kept[place]] for place in places]
             found += f"; {len(places)} points are, {number(min(values))} to {number(max(values))}{_suffix(unit)}"
@@ -390,7 +407,7 @@ def _checked_x(
     return x, None
 
 
-def _range(info: SeriesInfo) -> str:
+def _limits(info: SeriesInfo) -> str:
     unit = _suffix(info.x_unit)
     if info.x_lower is None:
         return f"up to {info.x_upper:g}{unit}"

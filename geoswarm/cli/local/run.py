@@ -191,7 +191,8 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
 def show_result(problem: Problem, result: CalibrationResult, statistics: Statistics | None) -> None:
     """Write the tables of a finished calibration: values with intervals and verdicts, and the fit."""
     from geoswarm.cli.words.labels import root_mean_square, with_unit
-    from geoswarm.solver.report.curves import objective_unit, series_shares
+    from geoswarm.solver.problem.weighting import by_test, series_shares
+    from geoswarm.solver.report.curves import objective_unit
     from geoswarm.solver.report.jsonable import jsonable
 
     if result.parameters is None or result.best is None:
@@ -199,6 +200,8 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
     unit = objective_unit(problem)
     found = None if statistics is None else jsonable(statistics.to_json())
     show_values(problem, result.parameters, found, problem.name)
+    shares = series_shares(problem, result.best.misfits)
+    tests = by_test(shares)
     rows = [
         (
             s.series,
@@ -206,12 +209,12 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
             number(s.misfit),
             root_mean_square(s),
             f"{s.share:.0%}",
+            *((f"{tests[s.test]:.0%}",) if tests else ()),
         )
-        for s in series_shares(problem, result.best.misfits)
+        for s in shares
     ]
-    echo_table(
-        None, ("series", "weight", "misfit", "root mean square", "share of the objective"), rows, right=(1, 2, 3, 4)
-    )
+    columns = ("series", "weight", "misfit", "root mean square", "share of the objective")
+    echo_table(None, (*columns, "of its test") if tests else columns, rows, right=(1, 2, 3, 4, 5))
     failed = f", {result.failed_evaluations} failed" if result.failed_evaluations else ""
     echo_facts(
         None,
