@@ -79,6 +79,7 @@ def _show(problem: Problem, check: CheckReport) -> None:
         cost = f"at most {planned} evaluations"
         if check.estimated_seconds is not None:
             cost += f", about {duration(check.estimated_seconds)} on one worker, the search's own time included"
+            cost += " but not report and figures"
         if check.left_to_answer:
             cost += f"; the search leaves {check.left_to_answer} of them for minimum and intervals"
     echo_facts(
@@ -104,8 +105,8 @@ def _show(problem: Problem, check: CheckReport) -> None:
             (
                 one.series,
                 number(one.weight),
-                share(one.share),
-                *((share(tests[one.test]),) if tests else ()),
+                share(round(one.share, 9)),
+                *((share(round(tests[one.test], 9)),) if tests else ()),
                 *((number(one.readings),) if counted else ()),
             )
             for one in check.shares

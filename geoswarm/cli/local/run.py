@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -76,6 +77,7 @@ def run_command(
     from geoswarm.solver.runs.evaluators import WATCHED
     from geoswarm.solver.runs.local import calibrate
 
+    began = monotonic()
     loaded = load_problem(problem, accepting(accept))
     require_possible(loaded)
     warn_of_many_points(loaded)
@@ -129,10 +131,13 @@ def run_command(
         show_fit(fit)
         show_result(loaded, result, statistics)
     if folder is not None:
+        if report is not None and not without_figures:
+            note(f"Writing the report and {len(report.figures.names)} figures")
         with kept(folder, problem):
             written = write_output(result, folder, report, figures=not without_figures)
         if not as_json:
-            echo_facts(None, {"written to": str(output), "files": _listed(written)})
+            whole = f"{duration(monotonic() - began)} in all, with report and figures"
+            echo_facts(None, {"written to": str(output), "files": _listed(written), "total time": whole})
     if result.state == "failed":
         raise FailedRunError(result.error or "no forward run succeeded")
 
@@ -222,7 +227,7 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
             "objective": with_unit(number(result.objective), unit),
             "stopped": reasons_in_words(result.stop_reasons),
             "evaluations": f"{result.evaluations} in {result.generations} generations{_shares(result)}{failed}",
-            "time": duration(result.seconds),
+            "time of the runs": duration(result.seconds),
             "seed": str(result.seed),
         },
     )
