@@ -26,7 +26,7 @@ from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
 from geoswarm.solver.forward.staged_history import history_of, voids
 from geoswarm.solver.forward.staged_section import SpecimenMesh, StagedLoadSpec
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.laws.initial_voids import void_ratio_parameters, voids_column
+from geoswarm.solver.laws.initial_voids import settled, void_ratio_parameters, voids_column
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 
@@ -104,7 +104,7 @@ class StagedLoadModel(ABC):
         InfeasibleError
             A value is outside what the law admits.
         """
-        if (fault := outside_limits(self._parameters, parameters)) is not None:
+        if (fault := outside_limits(settled(self._parameters), parameters)) is not None:
             raise InfeasibleError(fault)
         defaults = {info.name: info.default for info in self._parameters}
         choices = {one.name: getattr(self.spec, one.name, one.default) for one in self.law.settings}
@@ -191,7 +191,7 @@ class StagedLoadModel(ABC):
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the soil parameters given, or None."""
         own = {name: value for name in ("OCR", "POP") if (value := getattr(self.spec, name)) is not None}
-        return outside_limits(self._parameters, parameters) or self.law.inadmissible({**own, **parameters})
+        return outside_limits(settled(self._parameters), parameters) or self.law.inadmissible({**own, **parameters})
 
     @abstractmethod
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:

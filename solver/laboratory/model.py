@@ -23,7 +23,7 @@ from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault
 from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.laws.initial_voids import void_ratio_parameters, voids_column
+from geoswarm.solver.laws.initial_voids import settled, void_ratio_parameters, voids_column
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 
@@ -105,14 +105,14 @@ class LaboratoryModel(ABC):
         InfeasibleError
             A value is outside what the law admits.
         """
-        if (fault := outside_limits(self.law_parameters, parameters)) is not None:
+        known = settled(self.law_parameters)
+        if (fault := outside_limits(known, parameters)) is not None:
             raise InfeasibleError(fault)
-        settled = {info.name: info.default for info in self.law_parameters if info.set_by}
-        return self.law.soil({**settled, **parameters, **self.spec.settings})
+        return self.law.soil({info.name: info.default for info in known} | dict(parameters) | self.spec.settings)
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the soil parameters given, or None."""
-        return outside_limits(self.law_parameters, parameters) or self.law.inadmissible(parameters)
+        return outside_limits(settled(self.law_parameters), parameters) or self.law.inadmissible(parameters)
 
     def grid(self, series: str) -> FloatArray:
         """Points at which a curve looks smooth; none where they depend on the parameters."""
@@ -191,7 +191,7 @@ class FlowModel(LaboratoryModel):
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the parameters given, or None."""
-        fault = outside_limits(self.law_parameters, parameters)
+        fault = outside_limits(settled(self.law_parameters), parameters)
         return fault or flow_fault(self.law, parameters, self.knows_voids)
 
     def record_of(

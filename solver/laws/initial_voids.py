@@ -7,10 +7,9 @@ from dataclasses import replace
 from geoswarm.solver.laws.base import Law
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["KEY", "void_ratio_parameters", "voids_column"]
+__all__ = ["settled", "void_ratio_parameters", "voids_column"]
 
-KEY = "initial_void_ratio"
-"""Of the sections of tests."""
+_KEY = "initial_void_ratio"
 
 
 def voids_column(law: Law) -> int | None:
@@ -25,10 +24,15 @@ def void_ratio_parameters(law: Law, given: float | None) -> tuple[ParameterInfo,
     if given is None or voids_column(law) is None:
         return law.parameters
 
-    def settled(info: ParameterInfo) -> ParameterInfo:
+    def known(info: ParameterInfo) -> ParameterInfo:
         value = given if info.name == "e0" else info.default
         if info.name != "e0" and info.name not in law.instead_of_e0:
             return info
-        return replace(info, default=value, lower=value, upper=value, lower_open=False, upper_open=False, set_by=KEY)
+        return replace(info, default=value, lower=value, upper=value, lower_open=False, upper_open=False, set_by=_KEY)
 
-    return tuple(settled(info) for info in law.parameters)
+    return tuple(known(info) for info in law.parameters)
+
+
+def settled(infos: tuple[ParameterInfo, ...]) -> list[ParameterInfo]:
+    """Those whose value the section gives."""
+    return [info for info in infos if info.set_by]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -126,7 +125,7 @@ class Observation:
         kept = np.flatnonzero(self.chosen).tolist()
         weight, readings, independent = self.points.weight, self.points.readings, self.points.independent
         if independent is not None:
-            independent = max(independent * _share(self.points, self.chosen), 1.0)
+            independent = max(independent * self.points.share_of(self.chosen), 1.0)
         return replace(
             self.points,
             x=[self.points.x[i] for i in kept],
@@ -134,32 +133,10 @@ class Observation:
             weight=None if weight is None else [weight[i] for i in kept],
             readings=None if readings is None else [readings[i] for i in kept],
             independent=independent,
-            range=_range_of(self.points, self.chosen),
+            range=self.points.range_of(self.chosen),
             inputs={name: [values[i] for i in kept] for name, values in self.points.inputs.items()},
             gross_errors=(),
         )
-
-
-def _share(points: Points, chosen: BoolArray) -> float:
-    """Share of the readings behind the chosen points in all but the gross errors."""
-    count = points.counts
-    return float(count[chosen].sum() / np.delete(count, points.gross_errors).sum())
-
-
-def _mean_error(points: Points, chosen: BoolArray) -> float:
-    """Standard deviation of a chosen point over that of a reading: a point may be a mean."""
-    if points.independent is None:
-        return 1.0
-    return math.sqrt(int(chosen.sum()) / max(points.independent * _share(points, chosen), 1.0))
-
-
-def _range_of(points: Points, chosen: BoolArray) -> float | None:
-    """Range of the readings behind the chosen points, in the user's unit: as much wider than theirs as that of all."""
-    if points.range is None:
-        return None
-    y = np.array(points.y)
-    whole = float(np.ptp(np.delete(y, points.gross_errors)))
-    return points.range * (float(np.ptp(y[chosen])) / whole if whole > 0.0 else 1.0)
 
 
 def build_observations(
@@ -248,10 +225,10 @@ def _build(
     for array in (x, y, weights, gross_x, gross_y):
         array.flags.writeable = False
     with np.errstate(over="ignore"):
-        extent = _difference(_range_of(points, chosen), units["y"], info)
+        extent = _difference(points.range_of(chosen), units["y"], info)
         extent = float(np.ptp(y)) if extent is None else extent
     deviation = _difference(section.error, units["y"], info)
-    mean_error = _mean_error(points, chosen)
+    mean_error = points.mean_error(chosen)
     if deviation is not None:
         deviation *= mean_error
     loss, wrong = _loss(section, deviation, units["y"], info)

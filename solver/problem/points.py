@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
@@ -65,6 +66,25 @@ class Points:
     def counts(self) -> FloatArray:
         """Number of readings behind each point."""
         return np.ones(len(self.x)) if self.readings is None else np.array(self.readings, dtype=np.float64)
+
+    def share_of(self, chosen: BoolArray) -> float:
+        """Share of the readings behind the chosen points in all but the gross errors."""
+        count = self.counts
+        return float(count[chosen].sum() / np.delete(count, self.gross_errors).sum())
+
+    def mean_error(self, chosen: BoolArray) -> float:
+        """Standard deviation of a chosen point over that of a reading: a point may be a mean."""
+        if self.independent is None:
+            return 1.0
+        return math.sqrt(int(chosen.sum()) / max(self.independent * self.share_of(chosen), 1.0))
+
+    def range_of(self, chosen: BoolArray) -> float | None:
+        """Range of the readings behind the chosen points: as much wider than that of the points as that of all."""
+        if self.range is None:
+            return None
+        y = np.array(self.y)
+        whole = float(np.ptp(np.delete(y, self.gross_errors)))
+        return self.range * (float(np.ptp(y[chosen])) / whole if whole > 0.0 else 1.0)
 
     def document(self) -> dict[str, Any]:
         """The ``points`` section."""

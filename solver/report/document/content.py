@@ -13,7 +13,6 @@ from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.stored.verdict_words import where_intervals_hold
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
-from geoswarm.solver.problem.weighting import by_test, series_shares, weight_shares
 from geoswarm.solver.report.curves import objective_unit
 from geoswarm.solver.report.document.captions import CAPTIONS
 from geoswarm.solver.report.document.laboratory import laboratory_tables
@@ -21,6 +20,7 @@ from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
 from geoswarm.solver.report.document.residual_table import residual_table
 from geoswarm.solver.report.document.scope import not_modelled
+from geoswarm.solver.report.document.series_table import series_table
 from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
@@ -204,7 +204,7 @@ def _tables(
     if best is not None:
         tables.append(_parameter_table(problem, best, statistics, labels, uncertainty))
         tables += _laboratory_tables(problem, best, statistics, _polished(uncertainty, best))
-        tables.append(_series_table(problem, best))
+        tables.append(series_table(problem, best))
     if statistics is not None and len(statistics.pearson.names) > 1 and follow_up_of(problem) is None:
         tables.append(_correlation_table(statistics, labels))
     if statistics is not None:
@@ -216,37 +216,6 @@ def _tables(
         rows_of_failures = tuple((reason.replace("_", " "), str(count)) for reason, count in record.failures.items())
         tables.append(Table("Failed evaluations", ("reason", "number"), rows_of_failures, (1,)))
     return tables
-
-
-def _series_table(problem: Problem, best: BestFit) -> Table:
-    """Shares of series and tests in the objective."""
-    unit, shares = objective_unit(problem), series_shares(problem, best.misfits)
-    tests = by_test(shares)
-    counted = [one.readings for one in weight_shares(problem)] if problem.weighting == "by_error" else []
-    rows = [
-        (
-            s.series,
-            number(s.weight),
-            number(s.misfit),
-            _percent(s.share),
-            *((_percent(tests[s.test]),) if tests else ()),
-            f"{number(s.root_mean_square, 3)} {s.unit}".rstrip(),
-            *((number(counted[place]),) if counted else ()),
-        )
-        for place, s in enumerate(shares)
-    ]
-    misfit = f"misfit f′ [{unit}]" if unit else "misfit f′ [(unit of the series)²]"
-    of_test = ("share of its test",) if tests else ()
-    readings = ("independent readings",) if counted else ()
-    columns = ("series", "weight w", misfit, "share of the objective", *of_test, "root mean square", *readings)
-    losses = ", ".join(f"{o.series} ({o.loss.kind})" for o in problem.observations if o.loss is not None)
-    note = f"Of series with a loss, the root of the mean loss: {losses}." if losses else ""
-    title = "Series in the objective of the best evaluation"
-    return Table(title, columns, tuple(rows), tuple(range(1, len(columns))), note)
-
-
-def _percent(share: float) -> str:
-    return f"{share:.1%}".replace("%", " %")
 
 
 def _parameter_table(
