@@ -13,6 +13,7 @@ from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.plausibility import impossible, to_be_accepted
 from geoswarm.solver.problem import Draft, Problem, load_problem
 from geoswarm.solver.problem.draft import located
+from geoswarm.solver.problem.weighting import weight_shares
 from geoswarm.solver.sketches.svg import svg_element
 from geoswarm.solver.units import convert
 
@@ -60,9 +61,8 @@ def _estimates(draft: Draft) -> list[DraftEstimate]:
 
 def _observations(problem: Problem) -> list[DraftObservation]:
     infos = {info.name: info for info in problem.model.series}
-    total = sum(observation.weight for observation in problem.observations)
     described = []
-    for one in problem.observations:
+    for one, weighed in zip(problem.observations, weight_shares(problem), strict=True):
         info = infos[one.series]
         x_unit, y_unit = one.x_unit or info.x_unit, one.y_unit or info.y_unit
         described.append(
@@ -70,7 +70,7 @@ def _observations(problem: Problem) -> list[DraftObservation]:
                 series=one.series,
                 points=one.x.size,
                 weight=one.weight,
-                share=one.weight / total,
+                share=weighed.share,
                 x_unit=x_unit,
                 y_unit=y_unit,
                 x_factor=float(convert(1.0, x_unit, info.x_unit)),

@@ -119,7 +119,7 @@ points of a series a warning asks for it. Thinning does not change the weight of
 points follow the number of readings behind each, with a mean of 1. If the `error` of a reading is stated, that of a
 mean of n readings is smaller by the root of n only if the readings scatter independently. Neighbours that differ by
 less than the stated error count as fewer readings; `check` and the report say as how many. The canonical problem
-contains the means, with `readings` and `independent`.
+contains the means, with `readings`, `independent`, and the `range` of the readings for `weighting: by_range`.
 """
 
 STOPPING = """\

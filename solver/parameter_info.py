@@ -15,7 +15,8 @@ class ParameterInfo:
 
     ``default`` None means that the problem must give the parameter. ``lower`` and ``upper`` (base units) are physical
     limits; ``typical`` is a usual range offered to users, and ``source`` its origin. ``lower_open``: ``lower`` itself
-    is refused. ``any_case``: its name is not case-sensitive, as in PEST templates.
+    is refused. ``any_case``: its name is not case-sensitive, as in PEST templates. ``set_by``: the key of the forward
+    model that settles its value, to which both limits are then equal.
 
     Examples
     --------
@@ -37,6 +38,7 @@ class ParameterInfo:
     typical: tuple[float, float] | None = None
     any_case: bool = False
     source: str = ""
+    set_by: str = ""
 
     def is_among(self, names: Collection[str]) -> bool:
         """Whether it has one of the given names."""
@@ -45,6 +47,8 @@ class ParameterInfo:
     @property
     def accepted(self) -> str:
         """Its limits in words."""
+        if self.set_by:
+            return f"{self.lower:g}, as the forward model has {self.set_by} (give one of the two)"
         lower = "" if self.lower is None else f"{'above' if self.lower_open else 'at least'} {self.lower:g}"
         upper = "" if self.upper is None else f"{'below' if self.upper_open else 'at most'} {self.upper:g}"
         return " and ".join(part for part in (lower, upper) if part) or "a finite value"

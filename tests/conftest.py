@@ -60,6 +60,7 @@ LENGTHY = {
     "api/test_jobs.py",
     "attacks/test_text_growth.py",
     "examples/test_examples.py",
+    "examples/test_one_set_of_residuals.py",
     "examples/test_reference_data.py",
     "examples/test_slope.py",
     "geoswarm/cli/test_model.py",

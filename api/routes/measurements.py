@@ -71,7 +71,7 @@ async def read_points(
             422, str(error), kind="unreadable-file", title="File cannot be read", issues=error.issues
         ) from None
     return MeasuredPoints(
-        **{"weight": None, "readings": None, "independent": None}
+        **dict.fromkeys(("weight", "readings", "independent", "range"))
         | points.document()
         | {"inputs": points.inputs}
         | units,

@@ -37,7 +37,7 @@ class DraftObservation(BaseModel):
     series: str
     points: int
     weight: float = Field(description="w_g in the objective, with the weighting scheme")
-    share: float = Field(description="part of this weight in the sum of all")
+    share: float = Field(description="of the objective, if every series is missed by the same part of its range")
     x_unit: str
     y_unit: str
     x_factor: Number
@@ -128,6 +128,7 @@ class MeasuredPoints(Model):
     weight: list[float] | None
     readings: list[float] | None = Field(description="number of readings of which each point is the mean")
     independent: float | None = Field(description="number of independent readings that the points are worth")
+    range: float | None = Field(description="max - min of the readings of which the points are means")
     inputs: dict[str, list[float]] = Field(description="further quantities at the points")
     gross_errors: list[int] = Field(description="numbers of those marked as gross errors, from 1")
     notes: list[str] = Field(description="what was read and done")

@@ -15,6 +15,7 @@ from geoswarm.records.attempt import Attempt
 from geoswarm.records.evaluation import Evaluation, Response
 from geoswarm.records.generation import Generation
 from geoswarm.records.job import Job
+from geoswarm.records.statistics import WeightShare
 from geoswarm.records.worker import Worker
 from geoswarm.solver.problem import Stopping
 
@@ -144,6 +145,7 @@ class CheckResult(Model):
     warnings: list[str] = Field(description="what is probably unintended or not modelled, and what to do")
     notes: dict[str, list[str]] = Field(description="how the readings of each series were processed, if they were")
     assumptions: list[str] = Field(description="what the forward model assumes where the problem says nothing")
+    shares: list[WeightShare] = Field(description="what the weights make of each series")
     warm_starts: list[WarmStart] = Field(description="earlier jobs that the search can use, newest first")
 
 

@@ -47,13 +47,13 @@ from geoswarm.client.points import PointParameter, Points, PointSeries
 from geoswarm.records.attempt import Attempt
 from geoswarm.records.evaluation import Best, Evaluation, Response
 from geoswarm.records.event import Event
-from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
+from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
 from geoswarm.records.generation import Generation
 from geoswarm.records.hook import Hook, NewHook
 from geoswarm.records.job import Job, Retry
 from geoswarm.records.key import Key, NewKey
 from geoswarm.records.page import Page
-from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
+from geoswarm.records.statistics import ReweightAnswer, SeriesShare, StatisticsAnswer, WeightShare
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 from geoswarm.records.worker import Worker
 
@@ -71,7 +71,6 @@ __all__ = [
     "FitCurve",
     "FitParameter",
     "FitSeries",
-    "FitShare",
     "ForwardModel",
     "ForwardModelInfo",
     "Generation",
@@ -96,11 +95,13 @@ __all__ = [
     "Retry",
     "ReweightAnswer",
     "Series",
+    "SeriesShare",
     "Session",
     "StatisticsAnswer",
     "TestRun",
     "UncertaintyAnswer",
     "WarmStart",
+    "WeightShare",
     "Worker",
     "ConflictError",
     "ConnectionFailedError",

@@ -10,6 +10,7 @@ from html import escape
 from typing import Any
 
 from geoswarm.records.evaluation import Response
+from geoswarm.records.statistics import WeightShare
 
 __all__ = [
     "CheckResult",
@@ -84,7 +85,7 @@ class CheckResult:
 
     Of ``planned_evaluations`` the search leaves ``left_to_answer`` for minimum and intervals.
     ``notes`` list how the readings were processed, by series; ``assumptions``, what the forward model assumes where the
-    problem says nothing.
+    problem says nothing; ``shares``, what the weights make of each series.
     """
 
     valid: bool
@@ -101,6 +102,7 @@ class CheckResult:
     notes: dict[str, list[str]] = field(default_factory=dict)
     assumptions: list[str] = field(default_factory=list)
     left_to_answer: int | None = None
+    shares: list[WeightShare] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)

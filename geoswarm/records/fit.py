@@ -6,8 +6,9 @@ from typing import Literal
 
 from geoswarm.records.arrays import Floats, Measured
 from geoswarm.records.record import Number, record, told
+from geoswarm.records.statistics import SeriesShare
 
-__all__ = ["Fit", "FitCurve", "FitParameter", "FitSeries", "FitShare"]
+__all__ = ["Fit", "FitCurve", "FitParameter", "FitSeries"]
 
 
 @record
@@ -43,18 +44,6 @@ class FitSeries:
     gross_measured: Measured
 
 
-@record
-class FitShare:
-    """Part of one series in the objective."""
-
-    series: str
-    weight: float
-    misfit: Number
-    share: float
-    root_mean_square: Number = told("of the residuals, weighted as the points are, in unit")
-    unit: str = told("of the measured values")
-
-
 @record(eq=False)
 class FitCurve:
     """Calculated values of one evaluation at the measured points."""
@@ -64,7 +53,7 @@ class FitCurve:
     particle: int
     objective: Number
     parameters: dict[str, float] = told("all of them, by name")
-    shares: list[FitShare]
+    shares: list[SeriesShare]
     values: dict[str, Floats] = told("calculated values of each series, in its y_unit")
 
 

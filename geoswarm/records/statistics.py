@@ -31,6 +31,7 @@ __all__ = [
     "StatisticsAnswer",
     "Threshold",
     "Verdict",
+    "WeightShare",
 ]
 
 
@@ -329,9 +330,23 @@ class SeriesShare:
     """Weight of a series and its share in the objective."""
 
     series: str
+    test: str = told("the part of a combined problem; empty where there is only one test")
     weight: float
     misfit: Number
     share: Number
+    root_mean_square: Number = told("of the residuals, weighted as the points are, in unit")
+    unit: str = told("of the measured values")
+
+
+@record(closed=True)
+class WeightShare:
+    """What the weight of a series makes of it, before the search."""
+
+    series: str
+    test: str = told("the part of a combined problem; empty where there is only one test")
+    weight: float
+    share: float = told("of the objective, if every series is missed by the same part of its range")
+    readings: float | None = told("that the scheme counts, of by_error independent ones; null where it counts none")
 
 
 @record(closed=True)

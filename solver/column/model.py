@@ -129,7 +129,7 @@ class ColumnModel:
             given = self._own(name, parameters)
             fault = outside_limits([_RATIO], given)
             given.pop(_RATIO.name, None)
-            fault = fault or flow_fault(soil.law, given, soil.initial_void_ratio)
+            fault = fault or flow_fault(soil.law, given, soil.initial_void_ratio is not None)
             if fault is not None:
                 return f"{name}: {fault}"
         fault = outside_limits(self._of_drains, self._own("drains", parameters))

@@ -16,13 +16,14 @@ from geoswarm.solver.element_test.legs import follow_leg, point_under
 from geoswarm.solver.element_test.specimen import specimen_legs
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.laws.initial_voids import voids_column
 from geoswarm.solver.laws.soft_soil_creep import creep_soil
 
 if TYPE_CHECKING:
     from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
     from geoswarm.solver.forward.staged_load import StagedLoadModel
 
-__all__ = ["FAST_PATHS", "Calculate", "history_of"]
+__all__ = ["FAST_PATHS", "Calculate", "history_of", "voids"]
 
 Calculate: TypeAlias = Callable[[Mapping[str, float]], tuple[FloatArray, FloatArray, FloatArray]]
 """Parameters by name -> rows before the first stage (w,), at the times (m, w) and at the ends of the stages (n, w).
@@ -94,6 +95,16 @@ def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray, states
 
 def _parts(firsts: IntArray) -> list[tuple[int, int]]:
     return list(pairwise(firsts.tolist()))
+
+
+def voids(model: StagedLoadModel, parameters: Mapping[str, float]) -> float:
+    """Void ratio before the first stage: that of the section, or of the law under the initial stress."""
+    given, column = model.spec.initial_void_ratio, voids_column(model.law)
+    if given is not None or column is None:
+        return math.nan if given is None else given
+    soil, lateral = _placed(model, parameters)
+    stress = [lateral, model.spec.initial_stress, lateral, *[0.0] * (3 if 6 in model.law.components else 1)]
+    return float(point_under(stress, soil).internal[column])
 
 
 def _specimen(model: StagedLoadModel, times: FloatArray, firsts: IntArray, place: Place) -> Calculate:

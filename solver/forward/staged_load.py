@@ -20,13 +20,14 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
-from geoswarm.solver.errors import Issue, ProblemError, unknown_series
+from geoswarm.solver.errors import InfeasibleError, Issue, ProblemError, unknown_series
 from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
-from geoswarm.solver.forward.staged_history import history_of
+from geoswarm.solver.forward.staged_history import history_of, voids
 from geoswarm.solver.forward.staged_section import SpecimenMesh, StagedLoadSpec
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.laws.initial_voids import settled, void_ratio_parameters, voids_column
+from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ _SAME_TIME = 1.0e-9
 """Relative difference (and, in days, absolute one) below which a time is that of a change of stage."""
 
 _CURVE_POINTS = 24
+
+_VOIDS = "stage_void_ratio"
 
 _RATIO, _LATERAL = -1, 2
 """Columns of a row of states; the state variables follow the lateral stress. -1: lateral over axial stress."""
@@ -85,7 +88,7 @@ class StagedLoadModel(ABC):
         own = {"OCR": self.spec.OCR, "POP": self.spec.POP}
         return tuple(
             info if own.get(info.name) is None else replace(info, default=own[info.name])
-            for info in self.law.parameters
+            for info in void_ratio_parameters(self.law, self.spec.initial_void_ratio)
         )
 
     @cached_property
@@ -101,6 +104,8 @@ class StagedLoadModel(ABC):
         InfeasibleError
             A value is outside what the law admits.
         """
+        if (fault := outside_limits(settled(self._parameters), parameters)) is not None:
+            raise InfeasibleError(fault)
         defaults = {info.name: info.default for info in self._parameters}
         choices = {one.name: getattr(self.spec, one.name, one.default) for one in self.law.settings}
         return self.law.soil({**defaults, **parameters, **choices})
@@ -130,8 +135,8 @@ class StagedLoadModel(ABC):
             for name, text, quantity, unit in named
         ]
         void_ratio = SeriesInfo(
-            "stage_void_ratio",
-            "Void ratio at the end of a stage; needs initial_void_ratio.",
+            _VOIDS,
+            "Void ratio at the end of a stage; needs initial_void_ratio, or a law that has e0.",
             "stage",
             "",
             "void ratio",
@@ -186,7 +191,7 @@ class StagedLoadModel(ABC):
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the soil parameters given, or None."""
         own = {name: value for name in ("OCR", "POP") if (value := getattr(self.spec, name)) is not None}
-        return self.law.inadmissible({**own, **parameters})
+        return outside_limits(settled(self._parameters), parameters) or self.law.inadmissible({**own, **parameters})
 
     @abstractmethod
     def initial_state(self, soil: SoftSoilCreep, OCR: float, POP: float) -> tuple[float, float]:
@@ -235,11 +240,12 @@ class StagedLoadModel(ABC):
             start, output, ends = calculate(parameters)
             history = np.concatenate([start[np.newaxis], output, ends])
             strain, zero = history[:, :2], history[zero_row, :2]
+            initial = voids(self, parameters) if _VOIDS in schedule.rows else 0.0
             found = {}
             for name, rows in schedule.rows.items():
                 column = of_state.get(name)
                 if column is None:
-                    found[name] = self._values(name, strain[rows], zero)
+                    found[name] = self._values(name, strain[rows], zero, initial)
                 elif column == _RATIO:
                     found[name] = history[rows, _LATERAL] / vertical[rows]
                 else:
@@ -270,11 +276,9 @@ class StagedLoadModel(ABC):
             ),
         )
 
-    def _values(self, series: str, strain: FloatArray, zero: FloatArray) -> FloatArray:
-        if series != "stage_void_ratio":
+    def _values(self, series: str, strain: FloatArray, zero: FloatArray, initial: float) -> FloatArray:
+        if series != _VOIDS:
             return self.response(series.removeprefix("stage_"), strain, zero)
-        initial = self.spec.initial_void_ratio
-        assert initial is not None
         return initial - (1.0 + initial) * self.shortening(strain[:, 0] + 2.0 * strain[:, 1], 0.0)
 
     def shortening(self, strain: FloatArray, zero: float) -> FloatArray:
@@ -311,7 +315,7 @@ class StagedLoadModel(ABC):
         return _Schedule(times[inside] - starts[stage[inside]], firsts, rows)
 
     def _require(self, info: SeriesInfo, x: FloatArray) -> None:
-        if info.name == "stage_void_ratio" and self.spec.initial_void_ratio is None:
+        if info.name == _VOIDS and self.spec.initial_void_ratio is None and voids_column(self.law) is None:
             raise ProblemError(
                 [Issue("forward_model.initial_void_ratio", "is missing: stage_void_ratio needs a void ratio above 0")]
             )

@@ -109,7 +109,7 @@ class StagedLoadSpec(OneMaterialSpec, ABC):
     initial_void_ratio: float | None = Field(
         None,
         gt=0.0,
-        description="Void ratio before the first stage; needed by the series stage_void_ratio.",
+        description="Void ratio before the first stage, for stage_void_ratio. Of a law with e0 it is that: give one.",
         json_schema_extra=in_unit("1", 0.5, 3),
     )
 

@@ -28,11 +28,9 @@ from geoswarm.solver.identifiability.stored.study import Statistics, analyse
 from geoswarm.solver.identifiability.stored.verdicts import Evidence, Verdict, judge
 from geoswarm.solver.identifiability.weighting import (
     Reweighted,
-    SeriesWeight,
     reweight,
     reweighted_problem,
     scheme_weights,
-    shares,
 )
 
 __all__ = [
@@ -51,7 +49,6 @@ __all__ = [
     "Reweighted",
     "Samples",
     "SeriesResiduals",
-    "SeriesWeight",
     "Statistics",
     "StatisticsError",
     "Threshold",
@@ -76,5 +73,4 @@ __all__ = [
     "reweight",
     "reweighted_problem",
     "scheme_weights",
-    "shares",
 ]

@@ -18,17 +18,15 @@ from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.objective import LeastSquares, ObservedSeries, counted_in_order
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.problem.weighting import WEIGHTINGS, Weighting, scheme_factors
+from geoswarm.solver.problem.weighting import WEIGHTINGS, SeriesShare, Weighting, scheme_factors, series_shares
 
 __all__ = [
     "BY_SPREAD",
     "Reweighted",
-    "SeriesWeight",
     "Weighting",
     "reweight",
     "reweighted_problem",
     "scheme_weights",
-    "shares",
     "spread_weights",
 ]
 
@@ -37,16 +35,6 @@ _FEWEST_FOR_SPREAD = 8
 
 BY_SPREAD = "by_spread"
 """Scheme of :func:`reweight` that chooses the weights of points from the spread of the residuals."""
-
-
-@dataclass(frozen=True, slots=True)
-class SeriesWeight:
-    """Weight w_g of a series and its share in the objective: w_g f'_g / f, 0 to 1 (nan when f is 0)."""
-
-    series: str
-    weight: float
-    misfit: float
-    share: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,28 +57,10 @@ class Reweighted:
 
     problem: Problem
     samples: Samples
-    shares: tuple[SeriesWeight, ...]
+    shares: tuple[SeriesShare, ...]
     best_before: int
     best_after: int
     warnings: tuple[str, ...]
-
-
-def shares(problem: Problem, misfits: Mapping[str, float]) -> tuple[SeriesWeight, ...]:
-    """Share of each series in the objective.
-
-    Parameters
-    ----------
-    misfits
-        f'_g by series.
-    """
-    parts = {o.series: o.weight * misfits[o.series] for o in problem.observations}
-    total = sum(parts.values())
-    return tuple(
-        SeriesWeight(
-            o.series, o.weight, float(misfits[o.series]), parts[o.series] / total if total > 0 else float("nan")
-        )
-        for o in problem.observations
-    )
 
 
 def scheme_weights(
@@ -116,20 +86,15 @@ def scheme_weights(
     if weighting == "by_error" and deviations is None:
         raise StatisticsError("weighting by_error needs the standard deviation of a reading of each series (noise)")
     errors = {} if deviations is None else deviations.deviations
-    return scheme_factors(
-        weighting,
-        {o.series: o.y for o in problem.observations},
-        {o.series: o.readings for o in problem.observations},
-        errors,
-    )
+    return scheme_factors(weighting, problem.observations, problem.forward_model, errors)
 
 
 def spread_weights(problem: Problem, responses: Mapping[str, FloatArray]) -> dict[str, list[float]]:
     """Weights w_h of the points, by series, from the spread of the residuals: 1 / s(x)^2 with mean 1, shape (m_g,).
 
-    ln s is a parabola over the rank of x, fitted to ln |r| (Carroll and Ruppert 1988, section 3.3); weights differ by a
-    factor of 100 at most. Points of weight 0 keep it; a series of fewer than eight points, or of no residuals, keeps
-    its weights.
+    ln s is a parabola over the rank of x, fitted to ln |r| (Carroll and Ruppert 1988, section 3.3); 1 / s^2 differs by
+    a factor of 100 at most. Points that are means count as the readings behind them. Points of weight 0 keep it; a
+    series of fewer than eight points, or of no residuals, keeps its weights.
 
     Parameters
     ----------
@@ -142,11 +107,14 @@ def spread_weights(problem: Problem, responses: Mapping[str, FloatArray]) -> dic
         sizes = np.abs(responses[o.series] - o.y)[used]
         if used.size < _FEWEST_FOR_SPREAD or not sizes.any():
             continue
-        rank = np.linspace(-1.0, 1.0, used.size)
+        counts = o.chosen_points().counts[used]
+        middles = np.cumsum(counts) - counts / 2.0
+        rank = 2.0 * (middles - middles[0]) / (middles[-1] - middles[0]) - 1.0
         logarithms = np.log(np.maximum(sizes, 1e-3 * float(np.median(sizes)) + 1e-300))
         table = np.stack([np.ones_like(rank), rank, rank**2], axis=1)
-        line = table @ np.linalg.lstsq(table, logarithms, rcond=None)[0]
-        own = np.exp(-2.0 * np.maximum(line, line.max() - np.log(10.0)))
+        root = np.sqrt(counts)
+        line = table @ np.linalg.lstsq(table * root[:, None], logarithms * root, rcond=None)[0]
+        own = counts * np.exp(-2.0 * np.maximum(line, line.max() - np.log(10.0)))
         weights = np.zeros(o.x.size)
         weights[used] = own / own.mean()
         found[o.series] = weights.tolist()
@@ -249,7 +217,7 @@ def reweight(
         raise StatisticsError("objectives under these weights are too large for a number; smaller weights are accepted")
     best = after.best
     return Reweighted(
-        changed, after, shares(changed, misfits[best]), samples.best, best, _moved_outside(samples, after)
+        changed, after, series_shares(changed, misfits[best]), samples.best, best, _moved_outside(samples, after)
     )
 
 

@@ -23,7 +23,8 @@ from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault
 from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.laws.initial_voids import settled, void_ratio_parameters, voids_column
+from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 
 __all__ = ["FlowModel", "LaboratoryModel", "ShearModel"]
@@ -43,7 +44,12 @@ class LaboratoryModel(ABC):
     @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
         """Parameters of the law."""
-        return self.law.parameters
+        return self.law_parameters
+
+    @cached_property
+    def law_parameters(self) -> tuple[ParameterInfo, ...]:
+        """Parameters of the law, with what the section settles."""
+        return void_ratio_parameters(self.law, self.spec.initial_void_ratio)
 
     @property
     def open_parameters(self) -> bool:
@@ -76,9 +82,20 @@ class LaboratoryModel(ABC):
         return [horizontal, vertical, horizontal]
 
     @property
-    def voids(self) -> Voids:
+    def knows_voids(self) -> bool:
+        """Whether the void ratio is known: from the section, or from the law."""
+        return self.spec.initial_void_ratio is not None or voids_column(self.law) is not None
+
+    def void_ratio(self, parameters: Mapping[str, float]) -> float | None:
+        """Void ratio before the first stage, where it is known; raises as :meth:`placed`."""
+        given, column = self.spec.initial_void_ratio, voids_column(self.law)
+        if given is not None or column is None:
+            return given
+        return float(self.placed(self.soil(parameters)).internal[column])
+
+    def voids(self, parameters: Mapping[str, float]) -> Voids:
         """Void ratio and water of the specimen."""
-        return Voids(self.spec.initial_void_ratio, self.spec.geometry == "fixed", None)
+        return Voids(self.void_ratio(parameters), self.spec.geometry == "fixed", None)
 
     def soil(self, parameters: Mapping[str, float]) -> Soil:
         """The soil of one forward calculation.
@@ -88,11 +105,14 @@ class LaboratoryModel(ABC):
         InfeasibleError
             A value is outside what the law admits.
         """
-        return self.law.soil({**parameters, **self.spec.settings})
+        known = settled(self.law_parameters)
+        if (fault := outside_limits(known, parameters)) is not None:
+            raise InfeasibleError(fault)
+        return self.law.soil({info.name: info.default for info in known} | dict(parameters) | self.spec.settings)
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the soil parameters given, or None."""
-        return self.law.inadmissible(parameters)
+        return outside_limits(settled(self.law_parameters), parameters) or self.law.inadmissible(parameters)
 
     def grid(self, series: str) -> FloatArray:
         """Points at which a curve looks smooth; none where they depend on the parameters."""
@@ -167,13 +187,16 @@ class FlowModel(LaboratoryModel):
     @property
     def parameters(self) -> tuple[ParameterInfo, ...]:
         """Parameters of the law, and of the flow of water."""
-        return (*self.law.parameters, *FLOW)
+        return (*self.law_parameters, *FLOW)
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the parameters given, or None."""
-        return flow_fault(self.law, parameters, self.spec.initial_void_ratio)
+        fault = outside_limits(settled(self.law_parameters), parameters)
+        return fault or flow_fault(self.law, parameters, self.knows_voids)
 
-    def record_of(self, start: FloatArray, zero: FloatArray, paths: Sequence[Path], last: IntArray) -> Record:
+    def record_of(
+        self, start: FloatArray, zero: FloatArray, paths: Sequence[Path], last: IntArray, voids: Voids
+    ) -> Record:
         """The record of what is observed along paths, whose rows hold the pore pressure; there are no cycles.
 
         ``start`` and ``zero``: what is observed before, (w,), and where strain counts from, (0 or 1, w); ``last``: the
@@ -189,7 +212,7 @@ class FlowModel(LaboratoryModel):
             np.zeros((count, 1)),
             last,
             np.empty((0, 2), dtype=np.int64),
-            self.voids,
+            voids,
             self.spec.back_pressure,
         )
 
@@ -241,7 +264,7 @@ class ShearModel(LaboratoryModel):
         ForwardError
             It has no solution for these parameters.
         """
-        soil, voids, tolerance = self.soil(parameters), self.voids, self.spec.tolerance
+        soil, voids, tolerance = self.soil(parameters), self.voids(parameters), self.spec.tolerance
         start = self.placed(soil)
         rows, state = consolidated(soil, start, self.consolidation, voids, tolerance)
         stages = self.shearing if shearing else ()

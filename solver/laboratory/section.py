@@ -58,7 +58,7 @@ class LaboratorySpec(OneMaterialSpec, ABC):
         None,
         gt=0.0,
         le=100.0,
-        description="Void ratio before the first stage; needed by series of the void ratio.",
+        description="Void ratio before the first stage, for series of it. Of a law with e0 it is that: give one.",
         json_schema_extra=in_unit("1", 0.4, 3),
     )
     geometry: Geometry = "updated"

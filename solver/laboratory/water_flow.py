@@ -99,10 +99,10 @@ def pore_pressure_at(where: str) -> Quantity:
     )
 
 
-def flow_fault(law: Law, parameters: Mapping[str, float], void_ratio: float | None) -> str | None:
+def flow_fault(law: Law, parameters: Mapping[str, float], knows_voids: bool) -> str | None:
     """What is inadmissible about the parameters given, of a law and of the flow in a specimen, or None."""
     fault = outside_limits(FLOW, parameters)
-    if fault is None and parameters.get("C_k", 0.0) > 0.0 and void_ratio is None:
+    if fault is None and parameters.get("C_k", 0.0) > 0.0 and not knows_voids:
         fault = f"C_k needs initial_void_ratio; where that is not given C_k must be 0, got {parameters['C_k']:g}"
     own = {info.name for info in FLOW}
     return fault or law.inadmissible({name: one for name, one in parameters.items() if name not in own})
@@ -121,7 +121,7 @@ def permeability_of(law: Law, parameters: Mapping[str, float], void_ratio: float
     InfeasibleError
         A parameter is missing or inadmissible.
     """
-    fault = flow_fault(law, parameters, void_ratio)
+    fault = flow_fault(law, parameters, void_ratio is not None)
     if fault is not None or "k" not in parameters:
         raise InfeasibleError(fault or "the flow of water needs k, which is not given")
     return parameters["k"], growth_of(parameters.get("C_k", 0.0), void_ratio)

@@ -77,6 +77,9 @@ class Law(ABC):
     derived: ClassVar[frozenset[str]] = frozenset()
     """Parameters that follow from others unless they are given; their default 0 stands for that."""
 
+    instead_of_e0: ClassVar[frozenset[str]] = frozenset()
+    """Parameters that give the void ratio before a test unless e0 does; their default stands for that."""
+
     terms: ClassVar[tuple[Term, ...]] = ()
     """What parameters are in the terms of laboratories."""
 

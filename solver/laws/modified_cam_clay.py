@@ -192,6 +192,7 @@ class ModifiedCamClay(Law):
     parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
     terms: ClassVar[tuple[Term, ...]] = _TERMS
     derived: ClassVar[frozenset[str]] = frozenset({"M", "phi_cs", "nu", "G", "e0", "N", "p_c"})
+    instead_of_e0: ClassVar[frozenset[str]] = frozenset({"N"})
     settings: ClassVar[tuple[Setting, ...]] = (
         Setting(
             "specific_volume",

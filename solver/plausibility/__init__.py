@@ -8,6 +8,7 @@ A finding is a sentence and a warning; only readings that no soil can have are e
 ``headings``      units of the problem file against those in the headings of the data
 ``readings``      size and sign of readings against the specimen
 ``loads``         loads of a test in stages that the readings do not show
+``weights``       series of different units without weights
 ================  ============================================================================
 """
 
@@ -19,6 +20,7 @@ from geoswarm.solver.plausibility.headings import contradicted_headings
 from geoswarm.solver.plausibility.loads import loads_not_shown
 from geoswarm.solver.plausibility.ranges import unusual_values
 from geoswarm.solver.plausibility.readings import Doubt, doubtful_readings
+from geoswarm.solver.plausibility.weights import unweighted_units
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.words import did_you_mean
 
@@ -53,6 +55,7 @@ def implausible(problem: Problem) -> tuple[str, ...]:
         *contradicted_headings(problem),
         *(doubt.sentence for doubt in doubtful_readings(problem)),
         *loads_not_shown(problem),
+        *unweighted_units(problem),
     )
 
 

@@ -131,7 +131,7 @@ class _Assembly:
         spec, model = self._forward_model()
         parameters, complete = self._parameters()
         constraints = self._constraints(settings, parameters, complete)
-        observations = self._weighted(settings, self._observations(spec, model))
+        observations = self._weighted(settings, spec, self._observations(spec, model))
         model = self._with_inputs(model, observations)
         if model is not None and parameters:
             declared = self.document["parameters"]
@@ -347,21 +347,18 @@ class _Assembly:
             self._report("observations", str(error))
             return model
 
-    def _weighted(self, settings: Settings | None, observations: tuple[Observation, ...]) -> tuple[Observation, ...]:
+    def _weighted(
+        self, settings: Settings | None, spec: ForwardModelSpec | None, observations: tuple[Observation, ...]
+    ) -> tuple[Observation, ...]:
         """Multiply the weights by those of the scheme, if there is one."""
-        if settings is None or settings.weighting is None or not observations:
+        if settings is None or settings.weighting is None or spec is None or not observations:
             return observations
         errors = {o.series: o.error for o in observations if o.error is not None}
         if settings.weighting == "by_error" and len(errors) < len(observations):
             missing = ", ".join(o.series for o in observations if o.error is None)
             self._report("weighting", f"by_error needs the error of every observation; it is missing for {missing}")
             return observations
-        factors = scheme_factors(
-            settings.weighting,
-            {o.series: o.y for o in observations},
-            {o.series: o.readings for o in observations},
-            errors,
-        )
+        factors = scheme_factors(settings.weighting, observations, spec, errors)
         return tuple(replace(o, weight=o.weight * factors[o.series]) for o in observations)
 
     def _check_known_values(

@@ -36,6 +36,9 @@ class PointsSection(Section):
         ge=1,
         description="number of independent readings that all points are worth; if absent, error is that of a point",
     )
+    range: float | None = Field(
+        None, ge=0, description="max - min of the readings of which the points are means; that of the points if absent"
+    )
     inputs: dict[str, list[float]] | None = Field(
         None, description="further quantities at the points that a formula uses by name, one value for each x"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -68,6 +67,8 @@ class Observation:
         Number of readings behind x and y: points may be means of several.
     mean_error
         Standard deviation of a point over that of a reading, from ``points.independent``; 1 where that is not known.
+    extent
+        The largest less the smallest reading behind y, base unit.
     """
 
     series: str
@@ -90,6 +91,7 @@ class Observation:
     gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
     readings: float = 0.0
     mean_error: float = 1.0
+    extent: float = 0.0
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -123,7 +125,7 @@ class Observation:
         kept = np.flatnonzero(self.chosen).tolist()
         weight, readings, independent = self.points.weight, self.points.readings, self.points.independent
         if independent is not None:
-            independent = max(independent * _share(self.points, self.chosen), 1.0)
+            independent = max(independent * self.points.share_of(self.chosen), 1.0)
         return replace(
             self.points,
             x=[self.points.x[i] for i in kept],
@@ -131,22 +133,10 @@ class Observation:
             weight=None if weight is None else [weight[i] for i in kept],
             readings=None if readings is None else [readings[i] for i in kept],
             independent=independent,
+            range=self.points.range_of(self.chosen),
             inputs={name: [values[i] for i in kept] for name, values in self.points.inputs.items()},
             gross_errors=(),
         )
-
-
-def _share(points: Points, chosen: BoolArray) -> float:
-    """Share of the readings behind the chosen points in all but the gross errors."""
-    count = points.counts
-    return float(count[chosen].sum() / np.delete(count, points.gross_errors).sum())
-
-
-def _mean_error(points: Points, chosen: BoolArray) -> float:
-    """Standard deviation of a chosen point over that of a reading: a point may be a mean."""
-    if points.independent is None:
-        return 1.0
-    return math.sqrt(int(chosen.sum()) / max(points.independent * _share(points, chosen), 1.0))
 
 
 def build_observations(
@@ -234,8 +224,11 @@ def _build(
         return None, [Issue(place, "all points that take part have weight 0; at least one must be above 0")]
     for array in (x, y, weights, gross_x, gross_y):
         array.flags.writeable = False
+    with np.errstate(over="ignore"):
+        extent = _difference(points.range_of(chosen), units["y"], info)
+        extent = float(np.ptp(y)) if extent is None else extent
     deviation = _difference(section.error, units["y"], info)
-    mean_error = _mean_error(points, chosen)
+    mean_error = points.mean_error(chosen)
     if deviation is not None:
         deviation *= mean_error
     loss, wrong = _loss(section, deviation, units["y"], info)
@@ -265,6 +258,7 @@ def _build(
             gross_y=gross_y,
             readings=float(count.sum()),
             mean_error=mean_error,
+            extent=extent,
         ),
         [],
     )
@@ -371,7 +365,7 @@ def _checked_x(
     outside = (x < low - slack) | (x > high + slack)
     if outside.any():
         places = np.flatnonzero(outside)
-        found = f"{shown(int(places[0]))} is outside series '{info.name}', which has {info.x_quantity} {_range(info)}"
+        found = f"{shown(int(places[0]))} is outside series '{info.name}', which has {info.x_quantity} {_limits(info)}"
         if len(places) > 1:
             values = [given[kept[place]] for place in places]
             found += f"; {len(places)} points are, {number(min(values))} to {number(max(values))}{_suffix(unit)}"
@@ -390,7 +384,7 @@ def _checked_x(
     return x, None
 
 
-def _range(info: SeriesInfo) -> str:
+def _limits(info: SeriesInfo) -> str:
     unit = _suffix(info.x_unit)
     if info.x_lower is None:
         return f"up to {info.x_upper:g}{unit}"

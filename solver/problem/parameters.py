@@ -231,6 +231,8 @@ def _limit_issues(parameter: Parameter, info: ParameterInfo) -> list[Issue]:
 def outside_limits(value: float, info: ParameterInfo) -> str | None:
     """Why a value violates the model's limits, or None."""
     unit = f" {info.unit}" if info.unit and info.unit != "dimensionless" else ""
+    if info.set_by:
+        return None if info.admits(value) else f"must be {info.accepted}, got {number(value)}{unit}"
     if info.lower is not None and (value < info.lower or (info.lower_open and value == info.lower)):
         return f"must be {'above' if info.lower_open else 'at least'} {number(info.lower)}{unit}, got {number(value)}"
     if info.upper is not None and (value > info.upper or (info.upper_open and value == info.upper)):

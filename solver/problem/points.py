@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
@@ -43,10 +44,10 @@ class Points:
     """Measured points in the user's units, lists of one length.
 
     ``weight`` None means not given: points count by the ``readings`` of which they are means (None: 1 each).
-    ``independent`` is the number of independent readings that these are worth; None: not known. ``inputs`` are further
-    quantities at the points, by name. ``gross_errors`` are the places of those that are shown and do not count,
-    ``notes`` say what was done to the readings. ``x_heading`` and ``y_heading`` are those of the file that they were
-    read from.
+    ``independent`` is the number of independent readings that these are worth, ``range`` the largest less the smallest
+    of them; None: not known. ``inputs`` are further quantities at the points, by name. ``gross_errors`` are the places
+    of those that are shown and do not count, ``notes`` say what was done to the readings. ``x_heading`` and
+    ``y_heading`` are those of the file that they were read from.
     """
 
     x: list[float]
@@ -54,6 +55,7 @@ class Points:
     weight: list[float] | None = None
     readings: list[float] | None = None
     independent: float | None = None
+    range: float | None = None
     inputs: dict[str, list[float]] = field(default_factory=dict)
     gross_errors: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
@@ -65,13 +67,33 @@ class Points:
         """Number of readings behind each point."""
         return np.ones(len(self.x)) if self.readings is None else np.array(self.readings, dtype=np.float64)
 
+    def share_of(self, chosen: BoolArray) -> float:
+        """Share of the readings behind the chosen points in all but the gross errors."""
+        count = self.counts
+        return float(count[chosen].sum() / np.delete(count, self.gross_errors).sum())
+
+    def mean_error(self, chosen: BoolArray) -> float:
+        """Standard deviation of a chosen point over that of a reading: a point may be a mean."""
+        if self.independent is None:
+            return 1.0
+        return math.sqrt(int(chosen.sum()) / max(self.independent * self.share_of(chosen), 1.0))
+
+    def range_of(self, chosen: BoolArray) -> float | None:
+        """Range of the readings behind the chosen points: as much wider than that of the points as that of all."""
+        if self.range is None:
+            return None
+        y = np.array(self.y)
+        whole = float(np.ptp(np.delete(y, self.gross_errors)))
+        return self.range * (float(np.ptp(y[chosen])) / whole if whole > 0.0 else 1.0)
+
     def document(self) -> dict[str, Any]:
         """The ``points`` section."""
         lists = {"x": self.x, "y": self.y, "weight": self.weight, "readings": self.readings}
         document: dict[str, Any] = {
             name: [float(value) for value in values] for name, values in lists.items() if values is not None
         }
-        document |= {} if self.independent is None else {"independent": self.independent}
+        known = {"independent": self.independent, "range": self.range}
+        document |= {name: value for name, value in known.items() if value is not None}
         return document | ({"inputs": self.inputs} if self.inputs else {})
 
 
@@ -91,6 +113,7 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
             given.weight,
             given.readings,
             given.independent,
+            given.range,
             given.inputs or {},
             notes=tuple(section.notes),
         )
@@ -215,7 +238,8 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
     if beyond:
         return points, [Issue(f"{path}.gross_errors", f"there is no reading {beyond[0]}; there are {count}")]
     marked = tuple(sorted({*points.gross_errors, *(place - 1 for place in section.gross_errors)}))
-    given = Readings(points.x, points.y, points.weight, points.inputs, marked, points.readings, points.independent)
+    more = points.readings, points.independent, points.range
+    given = Readings(points.x, points.y, points.weight, points.inputs, marked, *more)
     wanted = Preparation(
         zero=section.y_zero,
         x_factor=section.x_factor,
@@ -236,6 +260,7 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
         weight=found.weight,
         readings=found.count,
         independent=found.independent,
+        range=found.range,
         inputs=found.inputs,
         gross_errors=found.gross_errors,
         notes=(*points.notes, *done),

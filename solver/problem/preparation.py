@@ -57,8 +57,8 @@ class Readings:
     """x, y, weight and further quantities of the points, lists of one length; ``weight`` None: not given.
 
     ``gross_errors`` are the places of those marked as such, rising. ``count`` is the number of readings of which each
-    point is the mean; None: 1 each. ``independent`` is the number of independent readings that they are worth; None:
-    not known.
+    point is the mean; None: 1 each. ``independent`` is the number of independent readings that they are worth, and
+    ``range`` the largest less the smallest of them; None: not known.
     """
 
     x: list[float]
@@ -68,6 +68,7 @@ class Readings:
     gross_errors: tuple[int, ...] = ()
     count: list[float] | None = None
     independent: float | None = None
+    range: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,9 +136,12 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
         x = _spread(x)
         done.append("readings at equal x were spread evenly up to the next x")
     begins, notes = _groups(x, columns["count"] if readings.weight is None else columns["weight"], wanted)
-    independent = readings.independent
+    independent, extent = readings.independent, readings.range
+    if extent is not None:
+        extent *= abs(wanted.y_factor)
     if len(begins) < len(x):
         done += notes
+        extent = float(np.ptp(columns["y"])) if extent is None else extent
         if wanted.error is not None and independent is None:
             independent, said = independent_readings(x, columns["y"], begins, wanted.error)
             done.append(said)
@@ -153,6 +157,7 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
         tuple((places + np.arange(len(places))).tolist()),
         None if (columns["count"] == 1.0).all() else columns["count"].tolist(),
         independent,
+        extent,
     )
     return found, done
 

@@ -110,7 +110,8 @@ class Settings(Section):
     weighting: Weighting | None = Field(
         None,
         description="multiply the weights of the series by what a scheme gives: by_error (precision of the readings), "
-        "by_count (number of readings), by_range (range of the readings)",
+        "by_count (number of readings), by_range (range of the readings), by_test (by range, each part of a combined "
+        "problem alike)",
     )
     accept: list[str] = Field(
         default=[],

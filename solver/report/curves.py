@@ -1,4 +1,4 @@
-"""Measured and calculated series in the units that the user gave, and the share of each in the objective."""
+"""Measured and calculated series in the units that the user gave."""
 
 from __future__ import annotations
 
@@ -19,12 +19,10 @@ from geoswarm.solver.units import convert
 
 __all__ = [
     "SeriesCurve",
-    "SeriesShare",
     "initial_values",
     "load_times",
     "objective_unit",
     "series_curves",
-    "series_shares",
 ]
 
 
@@ -102,31 +100,6 @@ class SeriesCurve:
         return none if self.loss_weights is None else np.asarray(self.loss_weights < OUTLYING)
 
 
-@dataclass(frozen=True, slots=True)
-class SeriesShare:
-    """Part of one series in the objective.
-
-    Parameters
-    ----------
-    series
-        Name.
-    weight, misfit
-        w_g and f'_g of equations (1) and (2), (base unit)^2.
-    share
-        w_g f'_g / f, between 0 and 1; 0 when the objective is 0.
-    root_mean_square
-        Of the residuals, weighted as the points are, in ``unit``: that of the measured values. Of a series with a loss
-        the root of its mean loss.
-    """
-
-    series: str
-    weight: float
-    misfit: float
-    share: float
-    root_mean_square: float
-    unit: str
-
-
 def series_curves(
     problem: Problem,
     responses: Mapping[str, FloatArray],
@@ -195,19 +168,6 @@ def _calculate(
             return problem.model.prepare(grids)(values)
     except ForwardError:
         return None
-
-
-def series_shares(problem: Problem, misfits: Mapping[str, float]) -> list[SeriesShare]:
-    """Return the share of every series in the objective, in the order of the problem."""
-    objective = sum(o.weight * misfits[o.series] for o in problem.observations)
-    base = {info.name: info.y_unit for info in problem.model.series}
-    shares = []
-    for o in problem.observations:
-        misfit, unit = misfits[o.series], o.y_unit or base[o.series]
-        deviation = float(convert(math.sqrt(misfit / float(o.point_weights.mean())), base[o.series], unit))
-        share = o.weight * misfit / objective if objective > 0.0 else 0.0
-        shares.append(SeriesShare(o.series, o.weight, misfit, share, deviation, unit))
-    return shares
 
 
 def objective_unit(problem: Problem) -> str:

@@ -16,6 +16,7 @@ from geoswarm.solver.plausibility import implausible, require_possible
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.checks.consolidation import find_consolidation
 from geoswarm.solver.problem.checks.extremes import extreme_issues
+from geoswarm.solver.problem.weighting import WeightShare, weight_shares
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunLog
 
@@ -88,6 +89,8 @@ class CheckReport:
         What was done to the readings, by series.
     assumptions
         What the forward model assumes where the problem says nothing, with the field that would say it, in sentences.
+    shares
+        What the weights make of each series, before the search.
     """
 
     name: str
@@ -102,6 +105,7 @@ class CheckReport:
     warnings: tuple[str, ...] = ()
     notes: dict[str, tuple[str, ...]] = field(default_factory=dict)
     assumptions: tuple[str, ...] = ()
+    shares: tuple[WeightShare, ...] = ()
 
 
 def check_problem(
@@ -148,6 +152,7 @@ def check_problem(
         warnings=(*implausible(problem), *(found.sentence for found in find_consolidation(problem))),
         notes={o.series: o.notes for o in problem.observations if o.notes},
         assumptions=problem.forward_model.assumptions,
+        shares=weight_shares(problem),
         data_points=sum(len(observation.x) for observation in problem.observations),
         planned_evaluations=planned,
         left_to_answer=None if planned is None else problem.left_to_answer(planned),

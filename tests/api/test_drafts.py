@@ -51,7 +51,8 @@ def test_shares_and_factors_of_observations(app: App) -> None:
         observations=observed,
     )
     u, v = app.post(f"{API}/problems/read", json=problem).json()["observations"]
-    assert (u["share"], v["share"], u["points"]) == (0.75, 0.25, 2)
+    assert (u["share"], v["share"]) == pytest.approx((3.0 / (1e6 + 3.0), 1e6 / (1e6 + 3.0)), rel=1e-9)  # 1 mm and 1 m
+    assert u["points"] == 2
     assert (u["x_unit"], u["y_unit"], v["x_unit"], v["y_unit"]) == ("h", "mm", "day", "m")
     assert u["x_factor"] == pytest.approx(1 / 24, rel=1e-15)
     assert (u["y_factor"], v["x_factor"], v["y_factor"]) == (0.001, 1.0, 1.0)

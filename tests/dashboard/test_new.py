@@ -239,11 +239,11 @@ def test_it_begins_with_an_earlier_job(embedded: Site, visit: Visit) -> None:
     expect(page.locator('[data-path="name"]')).to_have_value("isotropic-san-cassiano again")
     expect(page.locator(".observation")).to_have_count(2)
     shares = page.locator("[data-share]")
-    expect(shares.first).to_have_text("Share of the weights: 50.0 %")
-    page.locator('[data-path="observations[0].weight"]').fill("3")
-    expect(shares).to_have_text(["Share of the weights: 75.0 %", "Share of the weights: 25.0 %"])
     page.get_by_label("Weights of the series").select_option(label="by range: relative to the range of each series")
-    expect(shares.first).not_to_have_text("Share of the weights: 75.0 %")
+    words = "Share of the objective, each series missed by the same part of its range"
+    expect(shares).to_have_text([f"{words}: 50.0 %", f"{words}: 50.0 %"])
+    page.locator('[data-path="observations[0].weight"]').fill("3")
+    expect(shares).to_have_text([f"{words}: 75.0 %", f"{words}: 25.0 %"])
     area = page.get_by_label("The problem as YAML")
     expect(area).to_have_value(re.compile("weighting: by_range"))
     assert "discretization" not in area.input_value()  # what holds anyway is left out

@@ -10,9 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from geoswarm.records.evaluation import Evaluation
-from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries, FitShare
+from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
+from geoswarm.records.statistics import SeriesShare
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
-from geoswarm.solver.report.curves import load_times, objective_unit, series_shares
+from geoswarm.solver.problem.weighting import series_shares
+from geoswarm.solver.report.curves import load_times, objective_unit
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.units import convert
 from geoswarm.workers.service.job_service import JobService
@@ -123,6 +125,6 @@ def _curve(
         particle=view.particle,
         objective=view.objective,
         parameters=problem.values([view.parameters[name] for name in problem.free_names]),
-        shares=[FitShare(**asdict(share)) for share in series_shares(problem, misfits)] if misfits else [],
+        shares=[SeriesShare(**asdict(share)) for share in series_shares(problem, misfits)] if misfits else [],
         values=values,
     )

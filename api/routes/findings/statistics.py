@@ -14,6 +14,7 @@ from geoswarm.api.headers import DOCUMENT_POLICY
 from geoswarm.api.schemas.statistics import FigureList
 from geoswarm.api.views import WantedView
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
+from geoswarm.solver.problem.weighting import Weighting
 from geoswarm.solver.report.document.build import Report
 from geoswarm.solver.report.figures.style import figures_available, png_of, svg_of
 from geoswarm.solver.system.extras import needs_extra
@@ -33,7 +34,7 @@ class ReweightRequest(BaseModel):
 
     weights: dict[str, float] | None = Field(None, description="w_g by series; series not named keep theirs")
     point_weights: dict[str, list[float]] | None = Field(None, description="w_h of every point, by series")
-    weighting: Literal["by_error", "by_count", "by_range", "by_spread"] | None = Field(
+    weighting: Weighting | Literal["by_spread"] | None = Field(
         None, description="a scheme that chooses w_g, in place of weights; by_spread chooses w_h"
     )
     noise: dict[str, float] | float | None = Field(

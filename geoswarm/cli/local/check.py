@@ -66,17 +66,20 @@ def _show_program(run: TrialRun) -> None:
 
 def _show(problem: Problem, check: CheckReport) -> None:
     from geoswarm.cli.words.labels import parameter_rows, root_mean_square, with_unit
-    from geoswarm.solver.report.curves import objective_unit, series_shares
+    from geoswarm.solver.problem.weighting import by_test, series_shares
+    from geoswarm.solver.report.curves import objective_unit
+    from geoswarm.solver.words import share
 
     run = check.test_run
     shares = series_shares(problem, run.misfits) if run.misfits else []
-    rms = [f"{share.series} {root_mean_square(share)}" for share in shares]
+    rms = [f"{one.series} {root_mean_square(one)}" for one in shares]
     planned = check.planned_evaluations
     cost = "not limited by a number of evaluations"
     if planned is not None:
         cost = f"at most {planned} evaluations"
         if check.estimated_seconds is not None:
             cost += f", about {duration(check.estimated_seconds)} on one worker, the search's own time included"
+            cost += " but not report and figures"
         if check.left_to_answer:
             cost += f"; the search leaves {check.left_to_answer} of them for minimum and intervals"
     echo_facts(
@@ -96,6 +99,22 @@ def _show(problem: Problem, check: CheckReport) -> None:
     )
     for warning in check.warnings:
         note(f"Warning: {warning}")
+    if len(check.shares) > 1:
+        tests, counted = by_test(check.shares), any(one.readings is not None for one in check.shares)
+        rows = [
+            (
+                one.series,
+                number(one.weight),
+                share(round(one.share, 9)),
+                *((share(round(tests[one.test], 9)),) if tests else ()),
+                *((number(one.readings),) if counted else ()),
+            )
+            for one in check.shares
+        ]
+        more = [name for name, shown in (("of its test", tests), ("readings", counted)) if shown]
+        columns = ("series", "weight", "share", *more)
+        echo_table("Shares", columns, rows, right=tuple(range(1, len(columns))))
+        echo_facts(None, {"shares": "of the objective, if every series is missed by the same part of its range"})
     echo_table("Test run", ("parameter", "", "value", "unit"), parameter_rows(problem, run.parameters), right=(2,))
 
 

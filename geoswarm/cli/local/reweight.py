@@ -23,9 +23,9 @@ __all__ = ["reweight_command"]
 @click.option("--weight", "weights", multiple=True, metavar="SERIES=WEIGHT", help="New weight w of a series.")
 @click.option(
     "--weighting",
-    type=click.Choice(("by_error", "by_count", "by_range", "by_spread")),
-    help="Scheme that chooses the weights: precision, number or range of the readings of a series; by_spread: of "
-    "the points, by the spread of the residuals.",
+    type=click.Choice(("by_error", "by_count", "by_range", "by_test", "by_spread")),
+    help="Scheme that chooses the weights: precision, number or range of the readings of a series; by_test: by range, "
+    "every test alike; by_spread: of the points, by the spread of the residuals.",
 )
 @noise_option
 @click.option(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -76,6 +77,7 @@ def run_command(
     from geoswarm.solver.runs.evaluators import WATCHED
     from geoswarm.solver.runs.local import calibrate
 
+    began = monotonic()
     loaded = load_problem(problem, accepting(accept))
     require_possible(loaded)
     warn_of_many_points(loaded)
@@ -129,10 +131,13 @@ def run_command(
         show_fit(fit)
         show_result(loaded, result, statistics)
     if folder is not None:
+        if report is not None and not without_figures:
+            note(f"Writing the report and {len(report.figures.names)} figures")
         with kept(folder, problem):
             written = write_output(result, folder, report, figures=not without_figures)
         if not as_json:
-            echo_facts(None, {"written to": str(output), "files": _listed(written)})
+            whole = f"{duration(monotonic() - began)} in all, with report and figures"
+            echo_facts(None, {"written to": str(output), "files": _listed(written), "total time": whole})
     if result.state == "failed":
         raise FailedRunError(result.error or "no forward run succeeded")
 
@@ -191,7 +196,8 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
 def show_result(problem: Problem, result: CalibrationResult, statistics: Statistics | None) -> None:
     """Write the tables of a finished calibration: values with intervals and verdicts, and the fit."""
     from geoswarm.cli.words.labels import root_mean_square, with_unit
-    from geoswarm.solver.report.curves import objective_unit, series_shares
+    from geoswarm.solver.problem.weighting import by_test, series_shares
+    from geoswarm.solver.report.curves import objective_unit
     from geoswarm.solver.report.jsonable import jsonable
 
     if result.parameters is None or result.best is None:
@@ -199,6 +205,8 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
     unit = objective_unit(problem)
     found = None if statistics is None else jsonable(statistics.to_json())
     show_values(problem, result.parameters, found, problem.name)
+    shares = series_shares(problem, result.best.misfits)
+    tests = by_test(shares)
     rows = [
         (
             s.series,
@@ -206,12 +214,12 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
             number(s.misfit),
             root_mean_square(s),
             f"{s.share:.0%}",
+            *((f"{tests[s.test]:.0%}",) if tests else ()),
         )
-        for s in series_shares(problem, result.best.misfits)
+        for s in shares
     ]
-    echo_table(
-        None, ("series", "weight", "misfit", "root mean square", "share of the objective"), rows, right=(1, 2, 3, 4)
-    )
+    columns = ("series", "weight", "misfit", "root mean square", "share of the objective")
+    echo_table(None, (*columns, "of its test") if tests else columns, rows, right=(1, 2, 3, 4, 5))
     failed = f", {result.failed_evaluations} failed" if result.failed_evaluations else ""
     echo_facts(
         None,
@@ -219,7 +227,7 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
             "objective": with_unit(number(result.objective), unit),
             "stopped": reasons_in_words(result.stop_reasons),
             "evaluations": f"{result.evaluations} in {result.generations} generations{_shares(result)}{failed}",
-            "time": duration(result.seconds),
+            "time of the runs": duration(result.seconds),
             "seed": str(result.seed),
         },
     )

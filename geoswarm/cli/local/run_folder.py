@@ -88,7 +88,7 @@ def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
             "objective": with_unit(number(result["objective"]), objective_unit(problem)),
             "stopped": reasons_in_words(result["stop_reasons"]),
             "evaluations": str(result["evaluations"]),
-            "time": duration(result["seconds"]),
+            "time of the runs": duration(result["seconds"]),
         }
         echo_facts(None, facts)
     if result["state"] == "failed":

@@ -136,7 +136,7 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
 
 def _misfit_rows(problem: Problem | None, misfits: Mapping[str, float | None]) -> list[tuple[str, str, str]]:
     """Series, misfit and root mean square."""
-    from geoswarm.solver.report.curves import series_shares
+    from geoswarm.solver.problem.weighting import series_shares
 
     known = {series: misfit for series, misfit in misfits.items() if misfit is not None}
     if problem is None or len(known) < len(misfits):

@@ -9,7 +9,7 @@ from geoswarm.cli.words.output import number
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.report.curves import SeriesShare
+    from geoswarm.solver.problem.weighting import SeriesShare
 
 __all__ = ["parameter_rows", "root_mean_square", "symbol_and_unit", "with_unit"]
 

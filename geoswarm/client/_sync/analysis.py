@@ -84,7 +84,8 @@ def reweight(
     weights, point_weights
         w_g by series and w_h of every point by series.
     weighting
-        ``by_error``, ``by_count`` or ``by_range`` in place of ``weights``, or ``by_spread`` for those of points.
+        ``by_error``, ``by_count``, ``by_range`` or ``by_test`` in place of ``weights``, or
+        ``by_spread`` for those of points.
     noise
         Standard deviation of a reading, base units, for ``by_error``.
 

@@ -31,8 +31,8 @@ from geoswarm.solver.identifiability.stored.projections import Projection, proje
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.stored.verdict_words import SPARSE, where_intervals_hold
 from geoswarm.solver.identifiability.stored.verdicts import Beyond, Verdict, judge
-from geoswarm.solver.identifiability.weighting import SeriesWeight, shares
 from geoswarm.solver.methods.registry import find_method
+from geoswarm.solver.problem.weighting import SeriesShare, series_shares
 from geoswarm.solver.words import share
 
 __all__ = ["NOT_AT_OPTIMUM", "TOO_FEW_POINTS", "Basins", "Statistics", "analyse"]
@@ -162,7 +162,7 @@ class Statistics:
     verdicts: tuple[Verdict, ...]
     linearisation: Linearisation | None
     residuals: tuple[SeriesResiduals, ...]
-    weights: tuple[SeriesWeight, ...]
+    weights: tuple[SeriesShare, ...]
     warnings: tuple[str, ...]
     fit: FitVerdict
     residuals_at_optimum: bool = False
@@ -323,7 +323,7 @@ def analyse(
         verdicts=judge(samples, filtered, projections, linearisation, basins.others, fit, beyond),
         linearisation=linearisation,
         residuals=residuals,
-        weights=shares(calibration.problem, misfits) if misfits else (),
+        weights=series_shares(calibration.problem, misfits) if misfits else (),
         warnings=tuple(warnings),
         fit=fit,
         residuals_at_optimum=bool(at_optimum),

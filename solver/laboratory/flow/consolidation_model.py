@@ -74,7 +74,7 @@ class ConsolidationModel(FlowModel):
 
     def _ground(self, parameters: Mapping[str, float]) -> Ground:
         spec, cells = self.spec, self.cells
-        k, growth = permeability_of(self.law, parameters, spec.initial_void_ratio)
+        k, growth = permeability_of(self.law, parameters, self.void_ratio(parameters))
         count = cells.heights.size
         zero = np.zeros(count)
         return Ground(
@@ -99,20 +99,21 @@ class ConsolidationModel(FlowModel):
         """
         del shearing, dense  # values between the ends of steps cost nothing more
         soil, spec, ground = self.soil(parameters), self.spec, self._ground(parameters)
+        voids = self.voids(parameters)
         column = Column.of([(soil, self.placed(soil))] * spec.cells)
         rows = [STRAIN, BASE, VERTICAL, HORIZONTAL]
         watched = Watched(self._combined[rows, :-1].copy(), np.array([-1, 0, 0, 0]))
         last = self._loads.last
-        found = follow_loads(column, ground, self._loads.movements, watched, spec.tolerance, self.voids.check)
+        found = follow_loads(column, ground, self._loads.movements, watched, spec.tolerance, voids.check)
         constant = self._combined[:, -1] * spec.initial_stress
         paths = [path.seen(lambda rows: rows @ self._combined.T + constant) for path in found]
         start = paths[0].ends[0]
         before = start if spec.zero_at_stage == 1 else paths[last[spec.zero_at_stage - 2]].ends[-1]
-        return self.record_of(start, before[np.newaxis], paths, last)
+        return self.record_of(start, before[np.newaxis], paths, last, voids)
 
     def series_of(self) -> Sequence[TestSeries]:
         """Settlement, strain, pore pressure, stresses and void ratio."""
-        height, voids = self.spec.height, self.spec.initial_void_ratio is not None
+        height, voids = self.spec.height, self.knows_voids
         settlement = Quantity(
             "settlement",
             "Settlement of the top, positive downwards",

@@ -101,7 +101,7 @@ class CrsModel(FlowModel):
             A parameter is missing or inadmissible.
         """
         spec = self.spec
-        k, growth = permeability_of(self.law, parameters, spec.initial_void_ratio)
+        k, growth = permeability_of(self.law, parameters, self.void_ratio(parameters))
         return Flow(k, growth, spec.height, spec.geometry == "updated")
 
     def test(self, parameters: Mapping[str, float], *, shearing: bool = True, dense: bool = True) -> Record:
@@ -113,14 +113,14 @@ class CrsModel(FlowModel):
             It has no solution for these parameters.
         """
         del shearing, dense  # values between the ends of steps cost nothing more
-        soil, spec = self.soil(parameters), self.spec
+        soil, spec, voids = self.soil(parameters), self.spec, self.voids(parameters)
         column = Column.of([(soil, self.placed(soil))] * (spec.intervals + 1))
-        start, paths = lead(column, self.flow(parameters), self.stages, self.voids, spec.tolerance)
-        return self.record_of(start, np.empty((0, OUTPUT)), paths, np.arange(len(paths)))
+        start, paths = lead(column, self.flow(parameters), self.stages, voids, spec.tolerance)
+        return self.record_of(start, np.empty((0, OUTPUT)), paths, np.arange(len(paths)), voids)
 
     def series_of(self) -> Sequence[TestSeries]:
         """Stresses, pore pressure, strain and void ratio."""
-        voids = (VOID_RATIO,) if self.spec.initial_void_ratio is not None else ()
+        voids = (VOID_RATIO,) if self.knows_voids else ()
         return [
             *shear_series(_AXES, self.stages, 0, "axial strain", (*_MEASURED, *voids), (), (), "the test"),
             *(path_series("effective stress", _AVERAGE, one, "the test") for one in (AXIAL_STRAIN, *voids)),

@@ -141,7 +141,7 @@ class SimpleShearModel(ShearModel):
         """Stresses, strains, pore pressure and state variables."""
         spec = self.spec
         own = state_variables(self.law, spec.components)
-        voids = void_ratio(self.law, spec.initial_void_ratio is not None)
+        voids = void_ratio(self.law, self.knows_voids)
         water = (_PORE_PRESSURE,) if any(stage.undrained for stage in self.shearing) else ()
         both = (*_SHEARED, *water, *voids, *own)
         consolidating = (_VERTICAL, *voids, MEAN_PRESSURE, _K0, *own)

@@ -16,6 +16,7 @@ from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
 from geoswarm.solver.laboratory.shear_modulus import over_strain, shear_modulus_diagram
 from geoswarm.solver.laboratory.shear_sketch import is_timed
+from geoswarm.solver.laws.initial_voids import voids_column
 from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, Specimen
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
 
@@ -154,7 +155,7 @@ class TriaxialSpec(LaboratorySpec):
     water_bulk_modulus: float | None = Field(
         None,
         gt=0.0,
-        description="Bulk modulus of the pore water, kPa, undrained; rigid unless given. Needs initial_void_ratio.",
+        description="Bulk modulus of the pore water, kPa, undrained; rigid unless given. Needs a void ratio.",
         json_schema_extra=in_unit("kPa", 1e4, 2.2e6),
     )
 
@@ -183,7 +184,8 @@ class TriaxialSpec(LaboratorySpec):
         undrained = any(self.is_undrained(stage) for stage in self.shearing)
         if self.water_bulk_modulus is not None and not undrained:
             raise ValueError("water_bulk_modulus is given, but no stage of shearing is undrained; leave it out")
-        if self.water_bulk_modulus is not None and self.initial_void_ratio is None:
+        knows_voids = self.initial_void_ratio is not None or voids_column(self.law) is not None
+        if self.water_bulk_modulus is not None and not knows_voids:
             raise ValueError(
                 "initial_void_ratio is missing: with water_bulk_modulus the porosity gives the stiffness of the water; "
                 "a value above 0 is accepted, or leave water_bulk_modulus out for rigid water"

@@ -5,8 +5,8 @@ Components are those of an axisymmetric body: xx and zz radial, yy axial (vertic
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -136,11 +136,9 @@ class TriaxialModel(ShearModel):
             largest=0.95,
         )
 
-    @property
-    def voids(self) -> Voids:
+    def voids(self, parameters: Mapping[str, float]) -> Voids:
         """With the water's stiffness."""
-        spec = self.spec
-        return Voids(spec.initial_void_ratio, spec.geometry == "fixed", spec.water_bulk_modulus)
+        return replace(super().voids(parameters), water_modulus=self.spec.water_bulk_modulus)
 
     @property
     def back_pressure(self) -> float:
@@ -172,7 +170,7 @@ class TriaxialModel(ShearModel):
         """Stresses, strains, pore pressure and state variables."""
         spec = self.spec
         own = state_variables(self.law, spec.components)
-        voids = void_ratio(self.law, spec.initial_void_ratio is not None)
+        voids = void_ratio(self.law, self.knows_voids)
         water = (_PORE_PRESSURE,) if any(stage.undrained for stage in self.shearing) else ()
         both = (*_STRESSES, *water, *_STRAINS, _SHEARED, *voids, *own)
         consolidating = (*_STRAINS, *voids, _Q, MEAN_PRESSURE, _K0, *own)

@@ -136,6 +136,7 @@ class HypoplasticClay(Law):
     parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
     terms: ClassVar[tuple[Term, ...]] = (_CC, CRITICAL_FRICTION)
     derived: ClassVar[frozenset[str]] = frozenset({"e0"})
+    instead_of_e0: ClassVar[frozenset[str]] = frozenset({"OCR"})
     state: ClassVar[tuple[StateVariable, ...]] = HYPOPLASTIC_STATE
     tensors: ClassVar[tuple[StateTensor, ...]] = HYPOPLASTIC_TENSORS
     update: ClassVar[NumbaUpdate] = hypoplastic_step

@@ -149,6 +149,7 @@ class HypoplasticSand(Law):
     parameters: ClassVar[tuple[ParameterInfo, ...]] = _PARAMETERS
     terms: ClassVar[tuple[Term, ...]] = (CRITICAL_FRICTION,)
     derived: ClassVar[frozenset[str]] = frozenset({"e0", "e00"})
+    instead_of_e0: ClassVar[frozenset[str]] = frozenset({"e00"})
     state: ClassVar[tuple[StateVariable, ...]] = HYPOPLASTIC_STATE
     tensors: ClassVar[tuple[StateTensor, ...]] = HYPOPLASTIC_TENSORS
     update: ClassVar[NumbaUpdate] = hypoplastic_step

@@ -13,13 +13,14 @@ from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.stored.verdict_words import where_intervals_hold
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
-from geoswarm.solver.report.curves import objective_unit, series_shares
+from geoswarm.solver.report.curves import objective_unit
 from geoswarm.solver.report.document.captions import CAPTIONS
 from geoswarm.solver.report.document.laboratory import laboratory_tables
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
 from geoswarm.solver.report.document.residual_table import residual_table
 from geoswarm.solver.report.document.scope import not_modelled
+from geoswarm.solver.report.document.series_table import series_table
 from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
@@ -203,22 +204,7 @@ def _tables(
     if best is not None:
         tables.append(_parameter_table(problem, best, statistics, labels, uncertainty))
         tables += _laboratory_tables(problem, best, statistics, _polished(uncertainty, best))
-        unit = objective_unit(problem)
-        rows = [
-            (
-                s.series,
-                number(s.weight),
-                number(s.misfit),
-                f"{s.share:.1%}".replace("%", " %"),
-                f"{number(s.root_mean_square, 3)} {s.unit}".rstrip(),
-            )
-            for s in series_shares(problem, best.misfits)
-        ]
-        misfit = f"misfit f′ [{unit}]" if unit else "misfit f′ [(unit of the series)²]"
-        columns = ("series", "weight w", misfit, "share of the objective", "root mean square")
-        losses = ", ".join(f"{o.series} ({o.loss.kind})" for o in problem.observations if o.loss is not None)
-        note = f"Of series with a loss, the root of the mean loss: {losses}." if losses else ""
-        tables.append(Table("Series in the objective of the best evaluation", columns, tuple(rows), (1, 2, 3, 4), note))
+        tables.append(series_table(problem, best))
     if statistics is not None and len(statistics.pearson.names) > 1 and follow_up_of(problem) is None:
         tables.append(_correlation_table(statistics, labels))
     if statistics is not None:

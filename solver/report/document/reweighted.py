@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 from geoswarm.solver.identifiability import Reweighted
@@ -16,7 +17,7 @@ def reweighted_document(problem: Problem, after: Reweighted) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``weights`` (weight, misfit and share of each series), ``best`` and ``best_before`` (generation, particle,
+        ``weights`` (share of each series), ``best`` and ``best_before`` (generation, particle,
         objective under the new weights, all parameters), ``moved``, ``warnings`` and ``problem`` with the new weights.
         Numbers that are not finite remain: see :func:`geoswarm.solver.report.jsonable.jsonable`.
     """
@@ -31,9 +32,7 @@ def reweighted_document(problem: Problem, after: Reweighted) -> dict[str, Any]:
         }
 
     return {
-        "weights": [
-            {"series": w.series, "weight": w.weight, "misfit": w.misfit, "share": w.share} for w in after.shares
-        ],
+        "weights": [asdict(share) for share in after.shares],
         "best": place(after.best_after),
         "best_before": place(after.best_before),
         "moved": after.best_before != after.best_after,

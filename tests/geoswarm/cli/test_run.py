@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -193,3 +194,15 @@ def test_a_warm_start_takes_the_runs_of_a_folder(tmp_path: Path, capsys: pytest.
     assert "first has another forward model" in capsys.readouterr().err
     assert main(["run", write(tmp_path, **aimed), "--warm-start", str(tmp_path)]) == 2
     assert "lacks result.json" in capsys.readouterr().err
+
+
+def test_the_total_time_is_that_of_the_clock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ticks = iter([1000.0, 1510.0])
+    monkeypatch.setattr("geoswarm.cli.local.run.monotonic", lambda: next(ticks))
+    assert main(["run", write(tmp_path), "--output", str(tmp_path / "run")]) == 0
+    told = capsys.readouterr()
+    assert "8 min 30 s in all, with report and figures" in told.out
+    assert "time of the runs" in told.out
+    assert re.search(r"Writing the report and \d+ figures", told.err)

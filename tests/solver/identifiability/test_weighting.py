@@ -17,9 +17,9 @@ from geoswarm.solver.identifiability import (
     from_evaluations,
     reweight,
     scheme_weights,
-    shares,
 )
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem.weighting import series_shares
 from geoswarm.solver.runs.local import calibrate
 
 X = np.linspace(0.0, 4.0, 9)
@@ -74,6 +74,7 @@ def test_unchanged_weights_change_nothing() -> None:
         ("by_error", {"near": 9 / 0.1**2, "far": 4 / 2.0**2}),
         ("by_count", {"near": 9.0, "far": 4.0}),
         ("by_range", {"near": 1 / 8.0**2, "far": 1 / 450.0**2}),
+        ("by_test", {"near": 1 / 8.0**2, "far": 1 / 450.0**2}),
     ],
 )
 def test_schemes(weighting: Any, expected: dict[str, float]) -> None:
@@ -102,9 +103,9 @@ def test_weights_by_error_make_the_objective_chi_square() -> None:
 
 def test_shares_add_up() -> None:
     problem = two_series()
-    found = shares(problem, {"near": 2.0, "far": 1e4})
+    found = series_shares(problem, {"near": 2.0, "far": 1e4})
     np.testing.assert_allclose([s.share for s in found], [2.0 / 3.0, 1.0 / 3.0], rtol=1e-12)
-    assert all(np.isnan(s.share) for s in shares(problem, {"near": 0.0, "far": 0.0}))
+    assert [s.share for s in series_shares(problem, {"near": 0.0, "far": 0.0})] == [0.0, 0.0]
 
 
 def test_an_optimum_that_leaves_the_swarms_region_is_told() -> None:
@@ -131,7 +132,7 @@ def test_what_cannot_be_done_is_refused() -> None:
         reweight(problem, samples, weights={"near": 1.0}, weighting="by_count")
     with pytest.raises(StatisticsError, match="by_error needs"):
         reweight(problem, samples, weighting="by_error")
-    with pytest.raises(StatisticsError, match="known: by_error, by_count, by_range"):
+    with pytest.raises(StatisticsError, match="known: by_error, by_count, by_range, by_test"):
         scheme_weights(problem, "by_eye")  # type: ignore[arg-type]
     with pytest.raises(ProblemError, match="weight"):
         reweight(problem, samples, weights={"near": -1.0})

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from geoswarm.solver.errors import InfeasibleError, ProblemError
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
 from geoswarm.verification.specimens.laboratory import CREEP, ELASTIC, consolidation, run
-from tests.solver.laws.checks import usual_values
+from tests.solver.laws.checks import usual_values, void_ratio_for
 
 CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.0, "k": 2.0e-5, "C_k": 0.5}
 STAGES = [(200.0, 1.0), (400.0, 1.0, 0.1), (100.0, 1.0)]
@@ -52,7 +52,7 @@ def test_time_and_settlement_may_count_from_a_later_stage() -> None:
 
 @pytest.mark.parametrize("kind", BUILT_IN)
 def test_every_law_consolidates_and_swells(kind: str) -> None:
-    spec = consolidation(kind, [(150.0, 0.5), (130.0, 0.5), (200.0, 0.5, 0.1)], cells=8, initial_void_ratio=1.5)
+    spec = consolidation(kind, [(150.0, 0.5), (130.0, 0.5), (200.0, 0.5, 0.1)], cells=8, **void_ratio_for(kind, 1.5))
     model = spec.build()
     names = [info.name for info in model.series if info.name.startswith("stage_")]
     found = model.prepare(dict.fromkeys(names, np.arange(1.0, 4.0)))(usual_values(find_law(kind)) | {"k": 1.0e-5})

@@ -7,7 +7,7 @@ import pytest
 
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
 from geoswarm.verification.specimens.laboratory import run, triaxial
-from tests.solver.laws.checks import usual_values
+from tests.solver.laws.checks import usual_values, void_ratio_for
 
 SHEARING = [{"axial_strain": 0.03, "rate": 0.5}, {"axial_strain": 0.02, "rate": 0.5}]
 STRAINS = np.array([1.0e-3, 5.0e-3, 0.015, 0.03])
@@ -26,7 +26,7 @@ def test_water_without_stiffness_drains_and_stiff_water_is_rigid(kind: str) -> N
             drainage="undrained",
             tolerance=1.0e-6,
             water_bulk_modulus=bulk,
-            initial_void_ratio=0.8,
+            **void_ratio_for(kind, 0.8),
         )
         found = run(wet, soil, STRAINS, *names)
         assert found[0] == pytest.approx(limit[0], rel=1.0e-4)

@@ -12,7 +12,7 @@ from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import drained_triaxial, undrained_triaxial
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
 from geoswarm.verification.specimens.laboratory import run, triaxial
-from tests.solver.laws.checks import usual_values
+from tests.solver.laws.checks import usual_values, void_ratio_for
 
 PACE = {"rate": 0.5}
 SIN, COS = 0.5, math.sqrt(0.75)
@@ -37,7 +37,7 @@ def test_every_law_goes_through_every_kind_of_stage(kind: str, drainage: str) ->
         {"axial_strain": -0.02, **PACE},
     ]
     consolidation = [{"axial": 120.0, "duration": 0.5, "loading_time": 0.2}, {"axial": 150.0, "radial": "K0"}]
-    spec = triaxial(kind, stages, drainage=drainage, consolidation=consolidation, initial_void_ratio=1.0)
+    spec = triaxial(kind, stages, drainage=drainage, consolidation=consolidation, **void_ratio_for(kind, 1.0))
     model = spec.build()
     numbers = {"stage_": np.arange(1.0, 7.0), "consolidation_": np.array([1.0, 2.0]), "cycle_": np.array([1.0, 2.0])}
     points = {

@@ -14,7 +14,7 @@ from geoswarm.solver.element_test.setups import simple_shear as general_simple_s
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
 from geoswarm.verification.specimens.laboratory import CREEP, ELASTIC, MOHR_COULOMB, run, simple_shear
-from tests.solver.laws.checks import usual_values
+from tests.solver.laws.checks import usual_values, void_ratio_for
 
 YOUNG, POISSON = ELASTIC["E"], ELASTIC["nu"]
 SHEAR = YOUNG / (2.0 * (1.0 + POISSON))
@@ -125,7 +125,7 @@ def test_every_law_goes_through_every_kind_of_stage(kind: str, constant: str) ->
         {"shear_strain": -0.02, "rate": 0.5},
     ]
     consolidation = [{"normal_stress": 120.0, "duration": 0.5, "loading_time": 0.2}, {"normal_stress": 150.0}]
-    spec = simple_shear(kind, stages, constant=constant, consolidation=consolidation, initial_void_ratio=1.0)
+    spec = simple_shear(kind, stages, constant=constant, consolidation=consolidation, **void_ratio_for(kind, 1.0))
     model = spec.build()
     numbers = {"stage_": np.arange(1.0, 7.0), "consolidation_": np.array([1.0, 2.0]), "cycle_": np.array([1.0, 2.0])}
     points = {

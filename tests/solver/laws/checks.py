@@ -23,6 +23,7 @@ from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.laws.base import Law, Soil
+from geoswarm.solver.laws.initial_voids import voids_column
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.verification.specimens.bodies import block
@@ -48,6 +49,7 @@ __all__ = [
     "turned",
     "turned_state",
     "usual_values",
+    "void_ratio_for",
 ]
 
 MORE: Final[Mapping[str, tuple[Mapping[str, Any], ...]]] = {
@@ -105,6 +107,11 @@ def _middle(info: ParameterInfo) -> float:
     assert info.typical is not None, f"{info.name} has neither a default nor a typical range"
     low, high = info.typical
     return math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
+
+
+def void_ratio_for(kind: str, given: float) -> dict[str, float]:
+    """The void ratio in the section of a test; of a law that has e0 it would be a second one."""
+    return {} if voids_column(find_law(kind)) is not None else {"initial_void_ratio": given}
 
 
 def usual_values(law: Law) -> dict[str, float]:

@@ -14,27 +14,36 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
+from geoswarm.solver.identifiability.weighting import BY_SPREAD, reweighted_problem, spread_weights
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.preparation import independent_readings
+from geoswarm.solver.problem.weighting import WEIGHTINGS, by_test, weight_shares
 
 X = np.arange(1.0, 1201.0)
-WEIGHTINGS = [None, "by_range", "by_count", "by_error"]
+SCHEMES = [None, *WEIGHTINGS, BY_SPREAD]
+LINES = {"kind": "formula", "series": {"q": "a * x", "r": "a * x", "p": "a + 0 * x"}}
+P = {"series": "p", "points": {"x": [1, 2], "y": [2.9, 3.1]}, "error": 0.1}
 
 
-def problem(observations: list[dict[str, Any]], weighting: str | None) -> Problem:
+def problem(observations: list[dict[str, Any]], weighting: str | None, model: dict[str, Any] = LINES) -> Problem:
     """Series q and r of the same line, and p with two readings."""
+    prefix = "one." if "parts" in model else ""
+    sections = [{**o, "series": prefix + o["series"]} for o in [*observations, P]]
     made = parse_problem(
         {
             "name": "thinned",
-            "forward_model": {"kind": "formula", "series": {"q": "a * x", "r": "a * x", "p": "a + 0 * x"}},
+            "forward_model": model,
             "parameters": {"a": {"lower": 0, "upper": 10}},
-            "observations": [*observations, {"series": "p", "points": {"x": [1, 2], "y": [2.9, 3.1]}, "error": 0.1}],
+            "observations": [*sections, *([{**P, "series": "other.p"}] if prefix else [])],
             "method": {"kind": "particle_swarm", "particles": 4},
             "stopping": {"max_evaluations": 8},
         }
-        | ({} if weighting is None else {"weighting": weighting})
+        | ({} if weighting in (None, BY_SPREAD) else {"weighting": weighting})
     )
     assert parse_problem(made.document()) == made
+    if weighting == BY_SPREAD:
+        fitted = Calibration(made, 0).evaluate(np.array([2.9])).responses
+        return reweighted_problem(made, point_weights=spread_weights(made, fitted))
     return made
 
 
@@ -51,16 +60,36 @@ def parts(made: Problem) -> dict[str, float]:
     return {series: part / whole["p"] for series, part in whole.items()}
 
 
-@pytest.mark.parametrize("weighting", WEIGHTINGS)
-@settings(max_examples=10)
-@given(every=st.integers(2, 40), seed=st.integers(0, 10_000))
-def test_what_a_series_weighs_does_not_change(weighting: str | None, every: int, seed: int) -> None:
+WAYS = st.one_of(
+    st.integers(2, 40).map(lambda every: {"resample": {"every": every}}),
+    st.integers(20, 200).map(lambda number: {"resample": {"per_decade": number}}),
+    st.integers(2, 40).map(lambda every: {"resample": {"every": every}, "x_to": 900.0}),
+)
+
+
+@pytest.mark.parametrize("weighting", SCHEMES)
+@settings(max_examples=8)
+@given(way=WAYS, seed=st.integers(0, 10_000))
+def test_what_a_series_weighs_does_not_change(weighting: str | None, way: dict[str, Any], seed: int) -> None:
     noise = 1e-6 * np.random.default_rng(seed).standard_normal(len(X))  # else means would take it away
-    whole = problem([readings(noise, error=1e-6)], weighting)
-    thinned = problem([readings(noise, error=1e-6, resample={"every": every})], weighting)
-    assert thinned.observations[0].x.size == -(-len(X) // every)
-    # means of a curve are not on it, and span less than it; everything else stays
-    assert parts(thinned)["q"] == pytest.approx(parts(whole)["q"], rel=0.01 if weighting != "by_range" else 0.1)
+    kept = {key: value for key, value in way.items() if key == "x_to"}
+    whole = problem([readings(noise, error=1e-6, **kept)], weighting)
+    thinned = problem([readings(noise, error=1e-6, **way)], weighting)
+    assert thinned.observations[0].x.size < whole.observations[0].x.size
+    # means of a curve are not on it, and those beside x_to may have readings beyond it
+    assert parts(thinned)["q"] == pytest.approx(parts(whole)["q"], rel=0.1 if kept or weighting == BY_SPREAD else 0.02)
+
+
+@pytest.mark.parametrize("weighting", SCHEMES)
+@pytest.mark.parametrize("repeats", [3, 50])
+def test_repeats_that_are_averaged_weigh_what_they_did(weighting: str | None, repeats: int) -> None:
+    x = np.repeat(np.arange(1.0, 41.0), repeats)
+    x = np.concatenate([x, np.arange(41.0, 81.0)])  # so that means of many stand beside single readings
+    noise = 1e-6 * np.random.default_rng(repeats).standard_normal(len(x))
+    whole = problem([readings(noise, x=x, error=1e-6)], weighting)
+    averaged = problem([readings(noise, x=x, error=1e-6, repeated_x="average")], weighting)
+    assert averaged.observations[0].x.size == 80
+    assert parts(averaged)["q"] == pytest.approx(parts(whole)["q"], rel=0.01)
 
 
 def test_a_mean_of_ten_readings_does_not_count_tenfold() -> None:
@@ -72,22 +101,71 @@ def test_a_mean_of_ten_readings_does_not_count_tenfold() -> None:
     assert misfits[1:] == pytest.approx([misfits[0]] * 3, rel=0.01)
 
 
-@pytest.mark.parametrize("weighting", ["by_count", "by_error"])
-def test_a_series_in_two_parts_weighs_what_it_did(weighting: str) -> None:
+def pieces(place: int, **keys: Any) -> list[dict[str, Any]]:
+    """The readings of q in two series."""
     noise = 20.0 * np.random.default_rng(3).standard_normal(len(X))
-    whole = parts(problem([readings(noise)], weighting))
-    halves = problem(
-        [
-            readings(noise[:300], x=X[:300], resample={"every": 3}),
-            readings(noise[300:], "r", X[300:], resample={"every": 30}),
-        ],
-        weighting,
-    )
-    assert [o.readings for o in halves.observations] == [300, 900, 2]
-    split = problem([readings(noise[:300], x=X[:300]), readings(noise[300:], "r", X[300:])], weighting)
-    assert parts(split)["q"] + parts(split)["r"] == pytest.approx(whole["q"], rel=1e-9)
-    factors = {o.series: o.weight for o in halves.observations}
-    assert factors["q"] / factors["r"] == pytest.approx(1.0 / 3.0, rel=1e-9)
+    return [readings(noise[:place], x=X[:place], **keys), readings(noise[place:], "r", X[place:], **keys)]
+
+
+def unsplit() -> dict[str, Any]:
+    return readings(20.0 * np.random.default_rng(3).standard_normal(len(X)))
+
+
+@pytest.mark.parametrize("weighting", ["by_count", "by_error"])
+@settings(max_examples=6)
+@given(place=st.integers(2, len(X) - 2))
+def test_a_series_in_two_weighs_what_it_did(weighting: str, place: int) -> None:
+    split = parts(problem(pieces(place), weighting))
+    assert split["q"] + split["r"] == pytest.approx(parts(problem([unsplit()], weighting))["q"], rel=1e-9)
+
+
+@settings(max_examples=6)
+@given(place=st.integers(2, len(X) - 2))
+def test_without_a_scheme_weights_by_readings_are_those_of_the_whole_series(place: int) -> None:
+    """Equation (1) is a sum over series: without weights, two count twice."""
+    split = pieces(place)
+    for one in split:
+        one["weight"] = len(one["points"]["x"]) / len(X)
+    found = parts(problem(split, None))
+    assert found["q"] + found["r"] == pytest.approx(parts(problem([unsplit()], None))["q"], rel=1e-9)
+
+
+@settings(max_examples=6)
+@given(seed=st.integers(0, 10_000))
+def test_relative_to_the_range_two_series_of_one_range_share_its_weight(seed: int) -> None:
+    noise = 20.0 * np.random.default_rng(3).standard_normal(len(X))
+    first = np.random.default_rng(seed).random(len(X)) < 0.5
+    first[[0, -1]] = True
+    split = [readings(noise[own], name, X[own]) for name, own in (("q", first), ("r", ~first))]
+    for one in split:
+        one["weight"] = len(one["points"]["x"]) / len(X)
+    found = parts(problem(split, "by_range"))
+    assert found["q"] + found["r"] == pytest.approx(parts(problem([unsplit()], "by_range"))["q"], rel=0.05)
+
+
+@settings(max_examples=6)
+@given(place=st.integers(2, len(X) - 2), every=st.integers(2, 40))
+def test_by_test_neither_splitting_nor_thinning_moves_the_share_of_a_test(place: int, every: int) -> None:
+    model = {"kind": "combined", "parts": {"one": LINES, "other": LINES}}
+    for observations in ([unsplit()], pieces(place), pieces(place, resample={"every": every})):
+        shares = weight_shares(problem(observations, "by_test", model))
+        assert by_test(shares) == pytest.approx({"one": 0.5, "other": 0.5}, rel=1e-12)
+        inside = [one.share for one in shares if one.test == "one"]
+        assert inside == pytest.approx([0.5 / len(inside)] * len(inside), rel=1e-12)
+
+
+def test_series_that_are_thinned_differently_count_by_their_readings() -> None:
+    noise = 20.0 * np.random.default_rng(3).standard_normal(len(X))
+    halves = [
+        readings(noise[:300], x=X[:300], resample={"every": 3}),
+        readings(noise[300:], "r", X[300:], resample={"every": 30}),
+    ]
+    for weighting in ("by_count", "by_error"):
+        made = problem(halves, weighting)
+        assert [o.readings for o in made.observations] == [300, 900, 2]
+        factors = {o.series: o.weight for o in made.observations}
+        assert factors["q"] / factors["r"] == pytest.approx(1.0 / 3.0, rel=1e-9)
+        assert [one.readings for one in weight_shares(made)] == pytest.approx([300, 900, 2], rel=1e-9)
 
 
 def test_independent_errors_become_smaller_in_means_and_common_ones_do_not() -> None:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem.weighting import series_shares
 from geoswarm.solver.progress.result import CalibrationResult
-from geoswarm.solver.report.curves import objective_unit, series_curves, series_shares
+from geoswarm.solver.report.curves import objective_unit, series_curves
 from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
 from geoswarm.solver.report.figures.fit_plot import fit_figure, fit_rows
 from geoswarm.solver.report.folder.tables import write_evaluations, write_result

@@ -67,17 +67,25 @@ export function checkSection(context, place, judged) {
         fact("Estimated cost", cost), fact("One calculation", duration(run_.seconds)), fact("Readings", count(found.data_points)),
         run_.objective === null ? null : fact(withUnit("Objective there", unit), number(run_.objective)),
         ...Object.entries(run_.parameters).map(([name, value]) => fact(symbol(name), `${number(value)}${unitOf(answer, name)}`))),
-      shares(run_, answer), plots(run_, answer));
+      shares(run_, found.shares), plots(run_, answer));
   }
 
-  /** Parts of the objective: what the weights really do, at this point. */
-  function shares(run_, answer) {
-    if (answer.observations.length < 2 || !(run_.objective > 0)) return null;
+  /** Parts of the objective: what the weights do, and what they do at this point. */
+  function shares(run_, found) {
+    if (found.length < 2) return null;
+    const several = new Set(found.map(({ test }) => test)).size > 1;
+    const ofTest = (name) => found.reduce((sum, { test, share }) => sum + (test === name ? share : 0), 0);
+    const columns = [
+      ["Weight", (one) => number(one.weight)], ["Share, all missed alike", (one) => percent(one.share, 1)],
+      several ? ["Share of its test", ({ test }) => percent(ofTest(test), 1)] : null,
+      found[0].readings === null ? null : ["Readings", (one) => number(one.readings)],
+      run_.objective > 0 ? ["Share here", (one) => percent((one.weight * run_.misfits[one.series]) / run_.objective, 1)] : null,
+    ].filter(Boolean);
     return element("div", { class: "wide" }, element("table", {},
-      element("thead", {}, element("tr", {}, ["Series", "Weight", "Share of the weights", "Share of the objective here"].map((name, i) => element("th", { scope: "col", class: i ? "n" : null }, name)))),
-      element("tbody", {}, answer.observations.map((one) => element("tr", {},
-        element("th", { scope: "row" }, one.series), element("td", { class: "n" }, number(one.weight)), element("td", { class: "n" }, percent(one.share, 1)),
-        element("td", { class: "n" }, percent((one.weight * run_.misfits[one.series]) / run_.objective, 1)))))));
+      element("caption", {}, "Shares of the objective: where each series is missed by the same part of its range, and at this point"),
+      element("thead", {}, element("tr", {}, ["Series", ...columns.map(([name]) => name)].map((name, i) => element("th", { scope: "col", class: i ? "n" : null }, name)))),
+      element("tbody", {}, found.map((one) => element("tr", {},
+        element("th", { scope: "row" }, one.series), columns.map(([, cell]) => element("td", { class: "n" }, cell(one))))))));
   }
 
   function plots(run_, answer) {

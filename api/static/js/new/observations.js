@@ -13,6 +13,7 @@ const LOSSES = [[undefined, "count as every reading"], ["soft_l1", "soft_l1: cou
 const SCHEMES = [
   [undefined, "as given"], ["by_error", "by error: precision of the readings"],
   ["by_count", "by count: every reading counts alike"], ["by_range", "by range: relative to the range of each series"],
+  ["by_test", "by test: every test counts alike, and every series in it"],
 ];
 
 export function observationsSection(context, place) {
@@ -75,7 +76,7 @@ export function observationsSection(context, place) {
         field(draft, [...path, "loss_scale"], { label: "Residual above which they count less", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "With a loss; from the error of a reading if absent." }),
         field(draft, [...path, "error"], { label: "Standard deviation of a reading", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "Where it is known." })),
       leftOut(draft, path, one, about), prepared(draft, path, one, about),
-      element("div", { class: "share" }, element("span", { dataset: { share: String(i) } }), element("meter", { min: "0", max: "1", value: "0", id: `share-${i}`, "aria-label": `Share of ${one.series ?? "the series"} in the weights` })),
+      element("div", { class: "share" }, element("span", { dataset: { share: String(i) } }), element("meter", { min: "0", max: "1", value: "0", id: `share-${i}`, "aria-label": `Share of ${one.series ?? "the series"}` })),
       element("div", { class: "buttons" },
         all().length > 1 ? button(`Show ${one.series}`, () => { shownSeries = one.series; redrawPlot(); }) : null,
         button(`Remove ${one.series ?? "it"}`, () => {
@@ -112,16 +113,13 @@ export function observationsSection(context, place) {
     redrawPlot();
   }
 
-  /** Shares as the service found them; without a scheme they can be told from the weights alone. */
+  /** Shares as the service found them: what the weights make of each series. */
   function showShares() {
     const told = draft.answer?.valid && draft.answer.observations.length === all().length ? draft.answer.observations.map((one) => one.share) : null;
-    const weights = all().map((one) => one.weight ?? 1);
-    const sum = weights.reduce((total, one) => total + one, 0);
-    const own = draft.read(["weighting"]) === undefined && weights.every((one) => typeof one === "number" && one >= 0) && sum > 0;
     for (const label of list.querySelectorAll("[data-share]")) {
       const i = Number(label.dataset.share);
-      const share = own ? weights[i] / sum : told?.[i];
-      label.textContent = share === undefined ? "Share of the weights: shown once there are no errors" : `Share of the weights: ${percent(share, 1)}`;
+      const share = told?.[i];
+      label.textContent = share === undefined ? "Share of the objective: shown once there are no errors" : `Share of the objective, each series missed by the same part of its range: ${percent(share, 1)}`;
       list.querySelector(`#share-${i}`).value = share ?? 0;
     }
   }

@@ -4,7 +4,7 @@ import { number, percent, symbol } from "../format.js";
 import { post } from "../http.js";
 
 const DECADES = 2;
-const SCHEMES = [["by_error", "By error"], ["by_count", "By count"], ["by_range", "By range"]];
+const SCHEMES = [["by_error", "By error"], ["by_count", "By count"], ["by_range", "By range"], ["by_test", "By test"]];
 
 export class Weights {
   /** `onWeights(weights)` while a slider moves. */

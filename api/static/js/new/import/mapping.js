@@ -128,10 +128,10 @@ export function mapping(file, content, context, act) {
   }
 
   function accept() {
-    const { x, y, weight, readings, independent, inputs, gross_errors: gross, notes: told } = points;
+    const { x, y, weight, readings, independent, range, inputs, gross_errors: gross, notes: told } = points;
     const observation = { series: state.series };
     for (const axis of ["x", "y"]) if (state[`${axis}Unit`] && plainBase(state[`${axis}Unit`]) !== plainBase(info()?.[`${axis}_unit`])) observation[`${axis}_unit`] = state[`${axis}Unit`];
-    observation.points = { x, y, ...(weight ? { weight } : {}), ...(readings ? { readings } : {}), ...(independent ? { independent } : {}), ...(Object.keys(inputs).length ? { inputs } : {}) };
+    observation.points = { x, y, ...(weight ? { weight } : {}), ...(readings ? { readings } : {}), ...(independent ? { independent } : {}), ...(range === null ? {} : { range }), ...(Object.keys(inputs).length ? { inputs } : {}) };
     if (state.reverse) observation.y_factor = -1;
     if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });
     if (gross.length) observation.gross_errors = gross;
