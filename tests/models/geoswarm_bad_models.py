@@ -274,7 +274,7 @@ class BadSpec(ForwardModelSpec):
     Parameters
     ----------
     builds
-        What happens while it is built, every time: ``crash``, ``hang``, ``raise``, ``eat``.
+        What happens while it is built, every time: ``crash``, ``hang``, ``raise``, ``eat``, ``end workers``.
     """
 
     kind: Literal["bad"] = "bad"
@@ -286,6 +286,9 @@ class BadSpec(ForwardModelSpec):
         match self.builds:
             case "crash":
                 os.kill(os.getpid(), signal.SIGSEGV)
+            case "end workers":
+                if "geoswarm.workers.hosts.embedded_worker" in sys.modules:
+                    os._exit(7)
             case "hang":
                 time.sleep(600.0)
             case "raise":
