@@ -90,7 +90,8 @@ class ApiSettings(BaseModel):
     heavy_wait_seconds
         Time that one may wait for its turn [s].
     heartbeat_seconds
-        Pause after which a silent event stream sends a comment, so that proxies and clients know it is alive.
+        An event stream whose key or session is no longer valid ends within this time; a silent one sends comments
+        more often than this, so that proxies and clients know it is alive.
     poll_seconds
         Interval at which the watched jobs are looked at for new events [s], with one query, however many watch.
     """

@@ -83,11 +83,17 @@ def convert(values: npt.ArrayLike, unit: str, base: str) -> FloatArray:
     array = np.array(values, dtype=np.float64)
     if same_unit(unit, base):
         return array
+    numerator, denominator = _ratio(unit, base)
+    with np.errstate(all="ignore"):
+        return np.asarray(array * numerator / denominator)
+
+
+@lru_cache(maxsize=256)
+def _ratio(unit: str, base: str) -> tuple[float, float]:
+    """The factor as two numbers: two roundings keep 1440 min exactly one day, which one rounded factor would not."""
     (times, plain), (base_times, base_plain) = _split(_canonical(unit)), _split(_canonical(base))
     factor = _factor(plain, base_plain) * times / base_times
-    # Two roundings of whole numbers keep 1440 min exactly one day, which one rounded factor would not.
-    with np.errstate(all="ignore"):
-        return np.asarray(array * float(factor.numerator) / float(factor.denominator))
+    return float(factor.numerator), float(factor.denominator)
 
 
 COMMON = {

@@ -11,6 +11,7 @@ from itertools import islice
 __all__ = [
     "REASONS",
     "VERDICTS",
+    "csv_cell",
     "did_you_mean",
     "duration",
     "ends",
@@ -104,6 +105,21 @@ def visible(text: str, *, lines: bool = False) -> str:
     """
     pattern = _UNSEEN_BUT_LINES if lines else _UNSEEN
     return pattern.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)
+
+
+def csv_cell(value: object) -> object:
+    """Return a value for a cell of a CSV file: of a text no control characters, and none that is a formula there.
+
+    A spreadsheet calculates what begins with ``=``, ``+``, ``-`` or ``@``; behind an apostrophe it is text.
+
+    Examples
+    --------
+    >>> csv_cell("=1+1"), csv_cell("a=1"), csv_cell(-1.5)
+    ("'=1+1", 'a=1', -1.5)
+    """
+    if not isinstance(value, str):
+        return value
+    return f"'{visible(value)}" if value.lstrip()[:1] in tuple("=+-@") else visible(value)
 
 
 def ends(low: float, high: float, *, digits: int = 3, plain: bool = False) -> tuple[str, str]:

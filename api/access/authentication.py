@@ -109,6 +109,21 @@ class Authenticator:
         self._meter(found.principal)
         return found
 
+    async def admits(self, headers: Headers) -> bool:
+        """Whether who sent a request before is still admitted: the key is valid, the session goes on.
+
+        Raises
+        ------
+        StoreUnavailableError
+            When it cannot be looked up.
+        """
+        if not await self.asks():
+            return True
+        key, token = given_key(headers), given_token(headers)
+        if key is not None:
+            return await self._find(key) is not None
+        return token is not None and await anyio.to_thread.run_sync(self.sessions.find, token) is not None
+
     async def holder(self, key: bytes, address: str, challenge: str) -> Principal:
         """Return the holder of a key; guessing is slowed down.
 

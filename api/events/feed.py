@@ -83,13 +83,13 @@ class EventFeed:
     poll_seconds
         Interval at which the watched jobs are looked at [s] where the database does not tell of events by itself.
     heartbeat_seconds
-        Silence after which :meth:`listen` yields None [s].
+        Twice the silence after which :meth:`listen` yields None [s].
     """
 
     def __init__(self, service: JobService, *, poll_seconds: float = 0.1, heartbeat_seconds: float = 10.0) -> None:
         self._service = service
         self._poll = poll_seconds
-        self._heartbeat = heartbeat_seconds
+        self.heartbeat_seconds = heartbeat_seconds
         self._tails: dict[str, _Tail] = {}
         self._limiter: anyio.CapacityLimiter | None = None
         self._closed = False
@@ -154,7 +154,7 @@ class EventFeed:
                 if tail.gone:
                     return
                 try:
-                    await asyncio.wait_for(changed.wait(), self._heartbeat)
+                    await asyncio.wait_for(changed.wait(), 0.5 * self.heartbeat_seconds)
                 except TimeoutError:
                     yield None
         finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import AsyncIterator
 from contextlib import aclosing, suppress
 from typing import Annotated
@@ -49,14 +50,15 @@ async def events(
     """Follow a job: ``state``, ``generation`` and ``versions`` events, from the first one or after a given one.
 
     Of a job with hundreds of generations a second, some events are skipped, but never the last of several.
-    Comments keep a silent connection alive. The stream ends after the event that ends the job.
+    Comments keep a silent connection alive. The stream ends after the event that ends the job, and when the key or
+    session that opened it is no longer valid.
     """
     start = _start(after, last_event_id)
     await anyio.to_thread.run_sync(service.get, job_id)  # the feed itself knows no owners
     if not await feed.read(job_id, start) and await feed.has_ended(job_id):
         return Response(status_code=204)
     return _EventStream(
-        _stream(feed, job_id, start, request.app.state.authenticator),
+        _stream(feed, job_id, start, request),
         media_type="text/event-stream",
         headers={"X-Accel-Buffering": "no"},
     )
@@ -98,13 +100,18 @@ def _start(after: int | None, last_event_id: str | None) -> int:
     raise DetailError(422, f"Last-Event-ID {last_event_id!r} is not the id of an event (a whole number).")
 
 
-async def _stream(feed: EventFeed, job_id: str, after: int, authenticator: Authenticator) -> AsyncIterator[str]:
-    open_to_all = not authenticator.needed
+async def _stream(feed: EventFeed, job_id: str, after: int, request: Request) -> AsyncIterator[str]:
+    authenticator: Authenticator = request.app.state.authenticator
+    # A key is revoked, a session ends, the first key is made meanwhile: nobody listens on. Without keys that is quickly
+    # known, else looked up twice a heartbeat.
+    pause = 0.5 * feed.heartbeat_seconds if authenticator.needed else 0.0
+    looked = time.monotonic()
     yield f"retry: {RECONNECT_MILLISECONDS}\n\n"
     async with aclosing(feed.listen(job_id, after)) as listening:
         async for text in listening:
-            if open_to_all:
+            if time.monotonic() >= looked + pause:
                 with suppress(StoreUnavailableError):
-                    if await authenticator.asks():  # a key was made meanwhile: nobody listens on without one
+                    if not await authenticator.admits(request.headers):
                         return
+                looked = time.monotonic()
             yield ": still here\n\n" if text is None else text

@@ -25,7 +25,7 @@ from geoswarm.records.progress import Progress
 from geoswarm.records.states import EvaluationState
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.system.extras import needs_extra
-from geoswarm.solver.words import visible
+from geoswarm.solver.words import csv_cell
 
 __all__ = ["csv_header", "csv_lines", "parquet_columns", "router"]
 
@@ -220,4 +220,4 @@ def _lines(rows: Iterable[Sequence[object]]) -> str:
 
 
 def _cell(value: object) -> object:
-    return value.isoformat() if isinstance(value, datetime) else visible(value) if isinstance(value, str) else value
+    return value.isoformat() if isinstance(value, datetime) else csv_cell(value)

@@ -170,8 +170,8 @@ def _in_order(names: _Names, details: AgsGroup, rows: list[AgsRow], notes: list[
     numbers = [number for number in given if number is not None]
     if len(numbers) < len(rows):
         return rows
-    twice = next((i for i, number in enumerate(numbers) if number in numbers[:i]), None)
-    if twice is not None:
+    if len(set(numbers)) < len(numbers):
+        twice = next(i for i, number in enumerate(numbers) if numbers.index(number) < i)
         raise details.error(rows[twice], names.increment, "give each increment once")
     order = sorted(range(len(rows)), key=numbers.__getitem__)
     if order != list(range(len(rows))):

@@ -31,12 +31,18 @@ def specimen_of(group: AgsGroup, row: AgsRow) -> Specimen:
 def rows_by_specimen(group: AgsGroup) -> dict[Specimen, list[AgsRow]]:
     """Return the rows of a group by specimen, in the order of the file; ``4`` and ``4.00`` are one depth."""
     found: dict[Specimen, list[AgsRow]] = {}
+    places = [group.headings.index(key) for key in KEYS if key in group.headings]
+    written: dict[Specimen, list[AgsRow]] = {}  # by its cells as they stand: most rows are of few specimens
     for row in group.rows:
-        key = tuple(
-            str(depth) if name in _DEPTHS and (depth := cell_number(cell)) is not None else cell
-            for name, cell in zip(KEYS, specimen_of(group, row), strict=True)
-        )
-        found.setdefault(key, []).append(row)
+        cells = tuple([row.cells[place] for place in places])
+        rows = written.get(cells)
+        if rows is None:
+            key = tuple(
+                str(depth) if name in _DEPTHS and (depth := cell_number(cell)) is not None else cell
+                for name, cell in zip(KEYS, specimen_of(group, row), strict=True)
+            )
+            rows = written[cells] = found.setdefault(key, [])
+        rows.append(row)
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem.tables.numerals import two_readings
@@ -141,6 +142,7 @@ class AgsFile:
     damaged: tuple[tuple[str, str], ...] = ()
 
 
+@lru_cache(maxsize=256)
 def _pint(unit: str) -> str:
     """Return a unit of the dictionary as the registry of units knows it: ``kN/m2`` is ``kN/m^2``, ``%/hr`` ``%/h``."""
     words = re.sub(r"[A-Za-z]+", lambda word: _UNITS.get(word[0], word[0]), unit)

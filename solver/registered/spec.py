@@ -16,6 +16,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from geoswarm.solver.errors import Issue, ProblemError, SolverError, UnknownForwardModelError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
+from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.registered.declaration import Declared, read_declaration
 from geoswarm.solver.registered.folders import NAME, find_folder, version_of
 from geoswarm.solver.registered.settings import Given, SettingName, chosen, numbers_of, setting_issues
@@ -43,6 +44,14 @@ class RegisteredSpec(ForwardModelSpec):
     def runs_outside(self) -> bool:
         """They are; the operator has accepted that."""
         return True
+
+    @property
+    def kernels(self) -> frozenset[str]:
+        """Those of the section that the operator has declared; none where the model is not here or is broken."""
+        try:
+            return parse_spec(read_declaration(find_folder(self.model)).forward_model).kernels
+        except (SolverError, OSError, ValueError):  # what is wrong is told by who builds it
+            return frozenset()
 
     def with_files(self, folder: Path | None, path: str) -> RegisteredSpec:
         """With version, parameters and series of the model as it is here; as it was where it is not the same."""

@@ -134,17 +134,21 @@ class Runner:
                 if given < first + len(part) and self._process is not None:
                     return
             except NeverMind as end:
-                raise NeverMind(first + end.index) from None
+                if given < first + len(part):  # else all had been answered
+                    raise NeverMind(max(first + _noted(end.index, part), given)) from None
             except _SpoiledError as spoiled:
-                alone = first + spoiled.index
+                alone = max(first + _noted(spoiled.index, part), given)
             except _EndedError as ended:
-                if ended.index < 0 and len(part) > 1:
+                index = _noted(ended.index, part)
+                if given == first + len(part) or 0 <= index < given - first:
+                    continue  # it ended behind an answer: no evaluation is to blame
+                if index < 0 and len(part) > 1:
                     singly = True  # who is to blame will show
                     continue
-                if ended.index < 0 and (idle_ends := idle_ends + 1) == 1:
+                if index < 0 and (idle_ends := idle_ends + 1) == 1:
                     continue  # killed from outside between two evaluations: no evaluation is to blame
                 # What it had finished but not yet sent is calculated again, up to the one that was under way.
-                culprit = max(first + ended.index, given)
+                culprit = max(first + index, given)
                 lost[culprit] = ended.outcome(positions[culprit])
 
     def close(self) -> None:
@@ -241,7 +245,7 @@ class Runner:
                     deadline = now + patience
             elif now > deadline:
                 self._kill()
-                raise NeverMind(max(at.position, 0))
+                raise NeverMind(at.position)
             self._keep_time(process, limits, at, now - max(asked, process.heard))
             if limits.memory_mb is not None and now - self._memory_at > MEMORY_SECONDS:
                 self._memory_at = now
@@ -324,7 +328,7 @@ class _SpoiledError(Exception):
     """The process was killed for what may not be the fault of the run under way: it is begun again in a fresh one."""
 
     def __init__(self, index: int) -> None:
-        self.index = max(index, 0)
+        self.index = index
         super().__init__(index)
 
 
@@ -345,6 +349,11 @@ class _EndedError(Exception):
         parameters = np.array(position, dtype=np.float64)
         evaluation = Evaluation(parameters, None, {}, {}, self.reason, self.message, now - began)
         return Outcome(evaluation, self.output, began, now)
+
+
+def _noted(index: int, positions: FloatArray) -> int:
+    """Return the place that an evaluation process noted; ``IDLE`` for one that is none: a model may have written it."""
+    return index if index < len(positions) else IDLE
 
 
 def _outcomes(frame: Frame, positions: FloatArray) -> list[Outcome]:

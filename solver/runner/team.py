@@ -19,6 +19,7 @@ from geoswarm.solver.errors import WorkerLostError
 from geoswarm.solver.runner.evaluator import NoProcessError, RunLimits
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
+from geoswarm.solver.words import visible
 
 __all__ = ["Team"]
 
@@ -96,7 +97,7 @@ class Team:
             for outcome in runner.run(_JOB, self._calibration, rest, self._limits, unwanted=self._unwanted):
                 evaluations.append(outcome.evaluation)
                 if outcome.log:
-                    sys.stderr.write(outcome.log)
+                    sys.stderr.write(visible(outcome.log, lines=True))
         return evaluations
 
     def _one(self, runner: Runner, position: FloatArray) -> Evaluation:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import sys
 import threading
 
@@ -20,11 +21,14 @@ class Traces:
     def __init__(self) -> None:
         self._threads = threading.active_count()
         self._descriptors = _descriptors()
+        self._most_descriptors = resource.getrlimit(resource.RLIMIT_NOFILE)
 
     def of_run(self) -> str | None:
-        """Return what a run left that still acts: processes or threads; None: nothing. Costs a microsecond."""
+        """Return what a run left that still acts: processes, threads or a limit; None: nothing. Costs microseconds."""
         if _has_children():
             return "processes"
+        if resource.getrlimit(resource.RLIMIT_NOFILE) != self._most_descriptors:
+            return "another limit of open files"
         return "threads" if threading.active_count() > self._threads else None
 
     def of_many(self) -> str | None:
@@ -44,4 +48,7 @@ def _has_children() -> bool:
 def _descriptors() -> int:
     if sys.platform != "linux":
         return 0
-    return len(os.listdir("/proc/self/fd"))  # noqa: PTH208  names, after each request
+    try:
+        return len(os.listdir("/proc/self/fd"))  # noqa: PTH208  names, after each request
+    except OSError:  # none is left to look with
+        return sys.maxsize

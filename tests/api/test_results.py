@@ -218,6 +218,14 @@ def test_control_characters_of_a_message_are_escaped_in_csv() -> None:
     assert rows_of("".join([",".join(csv_header(["a"], ["y"])), "\n", text]))[0]["message"] == "a\\x1b[31m\\r\\nb"
 
 
+@pytest.mark.parametrize("message", ["=1+1", "+1", "-1+1", "@A1", " =1+1", "\t=1+1", "fine = 1"])
+def test_no_text_is_a_formula_in_csv(message: str) -> None:
+    failed = evaluation(reason="error", message=message)
+    text = "".join(csv_lines([failed], ["a"], ["y"]))
+    (row,) = rows_of("".join([",".join(csv_header(["a"], ["y"])), "\n", text]))
+    assert row["message"] == (message if message.startswith("fine") else "'" + message.replace("\t", "\\t"))
+
+
 def test_a_page_with_long_responses_is_shorter_and_the_cursor_goes_on(engine: Engine) -> None:
     x = [i / 1e4 for i in range(15_000)]
     problem = line_problem(

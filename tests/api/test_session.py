@@ -13,7 +13,8 @@ from sqlalchemy import text
 from geoswarm.api import ApiSettings
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.service.job_service import JobService
-from tests.api.conftest import API, App, line_problem
+from tests.api.conftest import API, App, line_problem, live_server
+from tests.integration.engines import PATIENCE
 
 STATIC = "environment-key-of-the-operator"
 OWN = {"X-Requested-With": "geoswarm"}
@@ -53,6 +54,32 @@ def test_a_key_opens_a_session_that_scripts_and_foreign_pages_cannot_use(guarded
         ((key_id, token_hash),) = connection.execute(text("SELECT key_id, hash FROM sessions")).all()
     assert key_id == view.id
     assert made.value not in token_hash
+
+
+@pytest.mark.parametrize("how", ["key", "session", "signed out"])
+@pytest.mark.parametrize("busy", [False, True])
+def test_event_streams_end_with_their_key_or_session(service: JobService, how: str, busy: bool) -> None:
+    key, view = ApiKeys(service.store).create("alice", "submit")
+    with live_server(service, ApiSettings(require_key=True, heartbeat_seconds=0.3, poll_seconds=0.05)) as server:
+        sign_in = httpx.post(f"{server.url}{API}/session", json={"key": key})
+        headers = {"X-API-Key": key} if how == "key" else {"Cookie": f"geoswarm_session={cookie(sign_in).value}"}
+        job = httpx.post(f"{server.url}{API}/jobs", json=line_problem(), headers={"X-API-Key": key}).json()["id"]
+        with httpx.stream("GET", f"{server.url}{API}/jobs/{job}/events", headers=headers, timeout=PATIENCE) as answer:
+            lines = answer.iter_lines()
+            while next(lines) != ": still here":  # longer than a heartbeat
+                pass
+            while next(lines) != ": still here":
+                pass
+            if how == "signed out":
+                httpx.delete(f"{server.url}{API}/session", headers=headers | OWN)
+            else:
+                ApiKeys(service.store).revoke(view.id)
+            told = 0
+            for line in lines:
+                told += line.startswith(("event:", ":"))
+                if busy and told < 100:  # each line brings the next event
+                    (service.resume if service.get(job).state == "paused" else service.pause)(job)
+    assert told < 100
 
 
 def test_over_tls_the_cookie_never_travels_without_it(guarded: App, service: JobService) -> None:

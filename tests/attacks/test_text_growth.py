@@ -16,6 +16,8 @@ import pytest
 from starlette.datastructures import Headers
 
 from geoswarm.api.access.authentication import given_key, given_token
+from geoswarm.solver.ags.contents import contents_of
+from geoswarm.solver.ags.reading import read_ags
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.expressions import parse_expression
 from geoswarm.solver.problem import parse_problem, problem_yaml, read_document, read_measurements
@@ -32,6 +34,7 @@ from geoswarm.workers.errors import InvalidCursorError
 from geoswarm.workers.logs import JsonFormatter, TextFormatter
 from geoswarm.workers.secrets import redact
 from geoswarm.workers.store.cursors import decode_cursor
+from tests.solver.ags import synthetic
 
 LONGEST = 100_000
 QUICK = 0.02
@@ -106,6 +109,23 @@ def read_json(text: str) -> object:
     return read_document(text, "json")
 
 
+def read_contents(content: bytes) -> object:
+    return contents_of(read_ags(content, "a.ags"))
+
+
+def rows_of(group: str, row: Callable[[int], list[object]]) -> Callable[[int], bytes]:
+    """An AGS file with many rows of one specimen or instrument."""
+
+    def make(length: int) -> bytes:
+        text = synthetic.groups()[group]
+        more = [row(number) for number in range(length // 4)]
+        lines = "".join(",".join(f'"{cell}"' for cell in ["DATA", *cells]) + "\r\n" for cells in more)
+        head = text.partition('"DATA"')[0]
+        return synthetic.content(**{group: head + lines + "\r\n"})
+
+    return make
+
+
 def read_csv(content: bytes) -> object:
     return read_measurements(content, "a.csv")
 
@@ -148,6 +168,21 @@ CASES: dict[str, tuple[Eater, Callable[[int], Any]]] = {
     "workbook: a long shared text": (
         lambda content: read_cells(content, "a"),
         lambda n: workbook(n, strings=f"<si><t>{'a' * n}</t></si>"),
+    ),
+    "ags: increments of one specimen": (
+        read_contents,
+        rows_of("CONS", lambda n: [*synthetic.FIRST, n + 1, 1 - 1e-6 * n, 10 + n, 1 - 1e-6 * (n + 1)]),
+    ),
+    "ags: stages of one specimen": (
+        read_contents,
+        rows_of("TRET", lambda n: [*synthetic.DRAINED, n + 1, 50 + n, 250 + n, 200, "", 5.0, 300 + 3 * n, 1.5]),
+    ),
+    "ags: readings of one instrument": (
+        read_contents,
+        rows_of(
+            "MOND",
+            lambda n: ["BH3", "P1", "2.30", f"{2000 + n // 365}-01-01T{n % 24:02}:{n % 60:02}:00", "PRES", n, "kPa"],
+        ),
     ),
     "yaml: words": (read_yaml, repeated("b ", "a: ")),
     "yaml: a comment": (read_yaml, repeated("b", "# ", "\na: 1")),

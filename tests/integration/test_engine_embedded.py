@@ -12,12 +12,14 @@ from pathlib import Path
 
 import pytest
 
+from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from tests.attacks.attacks import bad
 from tests.integration.engines import STEADY, Gated, process_exists, wait_for, wait_until_ended
 from tests.servers import PostgresServer
 from tests.workers.problems import expected_history, line, recorded_history
@@ -84,6 +86,18 @@ def test_killed_workers_change_nothing(database_url: str, gated: Gated) -> None:
         gated.gate.open()
         assert wait_until_ended(engine.service, job_id).state == "finished"
         assert recorded_history(engine.service, job_id) == gated.history()
+
+
+def test_a_job_that_ends_worker_after_worker_while_it_is_built_fails_with_the_reason(database_url: str) -> None:
+    fatal = bad(builds="end workers")
+    with open_engine(Settings(database_url=database_url, workers=1, **STEADY)) as engine:
+        wait_for_workers(engine, 1)
+        failing = engine.service.submit(parse_problem(fatal))[0].id
+        innocent = engine.service.submit(line(stopping={"max_evaluations": 12}))[0].id
+        ended = wait_until_ended(engine.service, failing)
+        assert ended.state == "failed"
+        assert ended.error == ("BuildError: 3 workers ended while they built the problem; mend the code that ends them")
+        assert wait_until_ended(engine.service, innocent).state == "finished"
 
 
 def test_pause_stops_and_resume_goes_on(database_url: str, gated: Gated) -> None:

@@ -16,6 +16,7 @@ from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.problem.text.writing import problem_yaml
 from geoswarm.solver.runs.local import calibrate
+from geoswarm.solver.warm import groups_of
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
@@ -67,6 +68,13 @@ def found(service: JobService, problem: Problem) -> list[tuple[float, float | No
     wait_until_ended(service, job.id)
     views = service.iterate_evaluations(job.id)
     return [(view.parameters["E"], view.objective, view.reason, view.message or "") for view in views]
+
+
+def test_the_kernels_of_a_registered_routine_are_compiled_before_its_first_evaluation(models: Path) -> None:
+    problem = registered("routine", 0)
+    assert groups_of(problem.forward_model) == ("element_test", "umat")
+    shutil.rmtree(models / "routine")
+    assert groups_of(problem.forward_model) == ()  # what is missing is told elsewhere
 
 
 def test_a_registered_routine_calibrates_as_in_process(models: Path, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Sixty ways in which a forward model can behave badly; installed for tests through its entry point.
+"""Ways in which a forward model can behave badly; installed for tests through its entry point.
 
 ``y = slope * x``. A run with ``slope`` above 0 misbehaves in the way that ``behaviour`` names, before it answers. What
 a worker has to make of it is in :data:`REASONS`: None where the answer is as good as any.
@@ -28,6 +28,8 @@ from typing import Any, Literal
 import numpy as np
 
 from geoswarm import DivergedError, FloatArray, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.runner.shared_state import SharedState
+from geoswarm.solver.runner.traces import Traces
 
 __all__ = ["REASONS", "BadSpec"]
 
@@ -221,6 +223,12 @@ BEHAVIOURS: dict[str, tuple[str | None, Callable[[], object]]] = {
     "leak descriptors": (None, _leak_descriptors),
     "use up the descriptors": (None, lambda: _once(_exhaust_descriptors)),
     "lower a limit": (None, lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (16, 16))),
+    "lower a limit to nothing": (None, lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (3, 3))),
+    "end behind its answer": ("worker_lost", lambda: setattr(Traces, "of_many", lambda _: os._exit(7))),
+    "note a place beyond the last, and leave": (
+        "worker_lost",
+        lambda: [(state.begin(10**6), os._exit(0)) for state in gc.get_objects() if isinstance(state, SharedState)],
+    ),
     "change directory and environment": (None, _change_directory),
     "be nice": (None, lambda: os.nice(5)),
     "change the locale of errors": (None, lambda: (warnings.simplefilter("error"), np.seterr(all="raise"))),
@@ -266,7 +274,7 @@ class BadSpec(ForwardModelSpec):
     Parameters
     ----------
     builds
-        What happens while it is built, every time: ``crash``, ``hang``, ``raise``, ``eat``.
+        What happens while it is built, every time: ``crash``, ``hang``, ``raise``, ``eat``, ``end workers``.
     """
 
     kind: Literal["bad"] = "bad"
@@ -278,6 +286,9 @@ class BadSpec(ForwardModelSpec):
         match self.builds:
             case "crash":
                 os.kill(os.getpid(), signal.SIGSEGV)
+            case "end workers":
+                if "geoswarm.workers.hosts.embedded_worker" in sys.modules:
+                    os._exit(7)
             case "hang":
                 time.sleep(600.0)
             case "raise":

@@ -11,6 +11,7 @@ from geoswarm.workers.store.codec import (
     pack_array,
     pack_json,
     pack_responses,
+    text_of_program,
     unpack_array,
     unpack_json,
     unpack_responses,
@@ -18,6 +19,11 @@ from geoswarm.workers.store.codec import (
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 CURVES = st.dictionaries(st.text(max_size=8), arrays(np.float64, st.integers(0, 200), elements=st.floats()), max_size=4)
+
+
+def test_what_programs_write_cannot_steer_a_terminal_or_a_page() -> None:
+    written = "red \x1b[31m\r\n10 %\r20 %\tthe \u202ednal\u202c\x00\n"
+    assert text_of_program(written) == "red \\x1b[31m\n10 %\n20 %\tthe \\u202ednal\\u202c\n"
 
 
 @given(st.lists(st.floats(allow_nan=False)))

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
+import contextlib
+import pkgutil
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any, cast
 
 import pytest
 
+from geoswarm.records.job import Job
 from geoswarm.solver.problem import Problem, Stopping, parse_problem
 from geoswarm.workers.access.principal import Principal
+from geoswarm.workers.access.quotas import sizes
 from geoswarm.workers.errors import IdempotencyConflictError, JobNotFoundError, QuotaExceededError
 from geoswarm.workers.service.job_service import JobService
+from geoswarm.workers.store import Store
 from tests.api.conftest import line_problem
 from tests.workers.conftest import ON_SQLITE, MakeWorker
 
@@ -88,6 +97,49 @@ def test_open_jobs_are_limited_for_each_owner(service: JobService) -> None:
     limited(service, ADMIN, quota_jobs=0).submit(problem())
     alice.cancel(first.id)
     assert alice.submit(problem())[1]
+
+
+def at_once(monkeypatch: pytest.MonkeyPatch, place: str, *submit: Callable[[], object]) -> list[object]:
+    """Submit from several threads which meet behind a function, if they can; return what came of each."""
+    function, meeting = cast(Callable[..., object], pkgutil.resolve_name(place)), threading.Barrier(len(submit))
+
+    def meets(*given: Any, **named: Any) -> object:
+        found = function(*given, **named)
+        with contextlib.suppress(threading.BrokenBarrierError):
+            meeting.wait(1.0)
+        return found
+
+    def result(one: Callable[[], object]) -> object:
+        try:
+            return one()
+        except QuotaExceededError as error:
+            return error
+
+    monkeypatch.setattr(place, meets)
+    with ThreadPoolExecutor(len(submit)) as threads:
+        return list(threads.map(result, submit))
+
+
+def test_one_idempotency_key_at_once_gives_one_job_whatever_the_quota(
+    service: JobService, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    alice = limited(service, ALICE, quota_jobs=1)
+    submit = partial(alice.submit, problem(), idempotency_key="k")
+    found = at_once(monkeypatch, "geoswarm.workers.queries.jobs.find_by_idempotency_key", submit, submit)
+    jobs = cast(list[tuple[Job, bool]], found)
+    assert sorted(new for _, new in jobs) == [False, True]
+    assert jobs[0][0].id == jobs[1][0].id
+
+
+def test_two_owners_at_once_do_not_both_take_the_last_room(
+    service: JobService, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    large = problem(stopping={"max_evaluations": 10**6})
+    room = int(store.size_bytes() / 1e6 + 1.5 * sizes(large, {}, None)["evaluation_bytes"])
+    submit = [partial(limited(service, who, quota_total_mb=room).submit, large) for who in (ALICE, BOB)]
+    found = at_once(monkeypatch, "geoswarm.workers.service.job_service.check_quotas", *submit)
+    (refused,) = [one for one in found if isinstance(one, QuotaExceededError)]
+    assert "GEOSWARM_QUOTA_TOTAL_MB" in str(refused)
 
 
 def test_stored_and_planned_evaluations_are_limited(service: JobService, make_worker: MakeWorker) -> None:

@@ -17,11 +17,12 @@ from geoswarm.solver.progress.state import Step
 from geoswarm.solver.runner.fork_server_link import ForkServerLink
 from geoswarm.workers.coordinator.work import HandIn
 from geoswarm.workers.execution.worker import _Turn
+from geoswarm.workers.queries.workers import begin_build
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_json
-from geoswarm.workers.store.tables import evaluations, jobs
+from geoswarm.workers.store.tables import builds, evaluations, jobs
 from tests.integration.engines import wait_for
 from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingDoorbell
 from tests.workers.hand import pass_time
@@ -126,6 +127,36 @@ def test_a_model_that_dies_while_it_is_built_fails_its_job_and_no_worker(
     worker.serve(other)
     worker.close()
     assert service.get(other).state == "finished"
+
+
+def test_a_job_fails_that_was_being_built_when_three_workers_ended(
+    service: JobService, make_worker: MakeWorker, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ends(*_: object) -> None:
+        raise SystemExit  # as if the process had ended: nothing is noted any more
+
+    job_id = service.submit(line())[0].id
+    with monkeypatch.context() as patch:
+        patch.setattr("geoswarm.workers.execution.worker.parse_problem", ends)
+        for _ in range(2):
+            with pytest.raises(SystemExit):
+                make_worker().serve(job_id)
+    alive = make_worker()
+    alive.heartbeat.start()
+    store.write(lambda connection: begin_build(connection, job_id, alive.identity.id))
+    make_worker().serve(job_id)  # two ended, and one is building it: a third try
+    assert service.get(job_id).state == "finished"
+    assert store.read(lambda connection: connection.scalar(select(func.count()).select_from(builds))) == 0
+    job_id = service.submit(line())[0].id
+    with monkeypatch.context() as patch:
+        patch.setattr("geoswarm.workers.execution.worker.parse_problem", ends)
+        for _ in range(3):
+            with pytest.raises(SystemExit):
+                make_worker().serve(job_id)
+    make_worker().serve(job_id)
+    assert service.get(job_id).error == (
+        "BuildError: 3 workers ended while they built the problem; mend the code that ends them"
+    )
 
 
 @ON_SQLITE

@@ -14,7 +14,10 @@ from geoswarm.workers.errors import QuotaExceededError
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.tables import jobs
 
-__all__ = ["check_quotas", "sizes"]
+__all__ = ["check_quotas", "lock_quotas", "sizes"]
+
+LOCK = 7_209_341_855_018
+"""Number of the lock in PostgreSQL: any that nobody else in this database uses."""
 
 JOB_BYTES = 4096
 EVALUATION_BYTES = 600
@@ -39,6 +42,15 @@ def sizes(problem: Problem, documents: Mapping[str, str], offer: Offer | None) -
     return {"document_bytes": document, "evaluation_bytes": evaluation}
 
 
+def lock_quotas(connection: Connection) -> None:
+    """Let others who need room wait for the end of this transaction: two at once must not both find it.
+
+    One lock for all owners, as they share the room of ``GEOSWARM_QUOTA_TOTAL_MB``. SQLite has one writer anyway.
+    """
+    if connection.dialect.name == "postgresql":
+        connection.execute(text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": LOCK})
+
+
 def check_quotas(
     connection: Connection,
     owner: str,
@@ -49,7 +61,8 @@ def check_quotas(
     taken: int,
     another: bool = True,
 ) -> None:
-    """Refuse another job of an owner when it would exceed a quota; inside the transaction that enters the job.
+    """Refuse another job of an owner when it would exceed a quota; after :func:`lock_quotas`, in the transaction that
+    enters the job.
 
     A job that has not ended counts with all evaluations that it plans, or with those that it has when it plans no
     number. ``another``: it would be one more job that has not ended.
@@ -65,8 +78,6 @@ def check_quotas(
     ------
     QuotaExceededError
     """
-    if connection.dialect.name == "postgresql":  # two submissions at once must not both find room
-        connection.execute(text("SELECT pg_advisory_xact_lock(hashtextextended(:owner, 0))"), {"owner": owner})
     ended = jobs.c.state.in_(ENDED_STATES)
     planned_there = func.coalesce(jobs.c.max_evaluations, 0)
     ahead = case((ended, 0), (planned_there > jobs.c.evaluations, planned_there - jobs.c.evaluations), else_=0)

@@ -24,7 +24,7 @@ from geoswarm.solver.progress.stopping import (
     evaluations_left,
     satisfied_reasons,
 )
-from geoswarm.workers.access.quotas import check_quotas
+from geoswarm.workers.access.quotas import check_quotas, lock_quotas
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError
 from geoswarm.workers.queries.jobs import LockedJob, get_problem
 from geoswarm.workers.settings import Settings
@@ -92,6 +92,7 @@ def change_stopping(
             max((planned or 0) - row.evaluations, 0) if ended else max((planned or 0) - (row.max_evaluations or 0), 0)
         )
         size = {"document_bytes": 0, "evaluation_bytes": row.evaluation_bytes}
+        lock_quotas(connection)
         check_quotas(connection, quota_of, more, settings, size=size, taken=taken, another=ended)
     values = {"stopping": pack_json(wanted), "max_evaluations": planned}
     connection.execute(update(jobs).where(jobs.c.id == locked.id).values(values))

@@ -25,7 +25,7 @@ from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
 from geoswarm.workers.queries.jobs import LockedJob, publish_state
 from geoswarm.workers.queries.queue import REOPENED, first_place
 from geoswarm.workers.store.clock import database_now
-from geoswarm.workers.store.codec import clean_text, pack_json, unpack_array, unpack_json
+from geoswarm.workers.store.codec import pack_json, text_of_program, unpack_array, unpack_json
 from geoswarm.workers.store.outbox import insert_deliveries
 from geoswarm.workers.store.tables import attempts, evaluations, generations, jobs
 
@@ -149,7 +149,7 @@ def finish_retry(
         "progress": pack_json(progress.to_json()),
         "failed_evaluations": reasons.total(),
         "failures": pack_json({"reasons": dict(reasons), "first_message": first_message if reasons else None}),
-        "error": None if error is None else clean_text(error),
+        "error": None if error is None else text_of_program(error),
         "run_seconds": locked.run_seconds(gap),
         "clock_at": locked.now if target == "running" else None,
         "finished_at": locked.now if ended else None,

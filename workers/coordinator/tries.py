@@ -10,7 +10,7 @@ from geoswarm.solver.problem.running import Failures, fatal_message
 from geoswarm.workers.coordinator.generation_rows import Cell, GenerationRows
 from geoswarm.workers.coordinator.work import Result
 from geoswarm.workers.states.evaluation import Claimed, LeaseExpired, LeaseReleased, ResultArrived, settle
-from geoswarm.workers.store.codec import clean_text, pack_json, pack_responses
+from geoswarm.workers.store.codec import pack_json, pack_responses, text_of_program
 from geoswarm.workers.store.database import Record
 
 __all__ = ["expire_cell", "give_back", "record_result"]
@@ -42,8 +42,8 @@ def record_result(
             return None  # handed in before; only the answer was lost
         again = _further_try(tries, reason, failures)
     after, verdict = settle(before, ResultArrived(worker, result.attempt, reason is not None, again))
-    message = None if evaluation.message is None else clean_text(evaluation.message[:MESSAGE_LENGTH])
-    log = None if result.log is None else clean_text(result.log)
+    message = None if evaluation.message is None else text_of_program(evaluation.message[:MESSAGE_LENGTH])
+    log = None if result.log is None else text_of_program(result.log)
     if verdict in ("late", "retried"):
         outcome = reason if verdict == "retried" and reason is not None else "late"
         columns = {"started_at": result.started_at, "message": message, "log": log}

@@ -15,7 +15,7 @@ from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.forward.registry import is_foreign
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.progress.state import Progress
-from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, NoProcessError, RunLimits
+from geoswarm.solver.runner.evaluator import BuildError, Evaluator, InlineEvaluator, NoProcessError, RunLimits
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.coordinator.runtime import Runtime
@@ -31,7 +31,7 @@ from geoswarm.workers.operations.tally import tally
 from geoswarm.workers.queries.jobs import current_generation, get_problem
 from geoswarm.workers.queries.offers import read_offer
 from geoswarm.workers.queries.queue import most_urgent_job, take_turn
-from geoswarm.workers.queries.workers import count_live, forget_worker
+from geoswarm.workers.queries.workers import begin_build, count_live, end_build, forget_worker
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_problem
@@ -43,6 +43,7 @@ __all__ = ["Worker"]
 log = logging.getLogger(__name__)
 
 CACHED_CALIBRATIONS = 32
+MOST_LOST_WORKERS = 3
 LONGEST_WAIT_SECONDS = 2.0
 SHORTEST_LOOK, LONGEST_LOOK = 0.001, 0.02  # between two looks for the next generation [s]
 PATIENCE_SECONDS = 0.05
@@ -301,14 +302,26 @@ class Worker:
         row = self.store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
             return None
+        lost = self.store.write(lambda connection: begin_build(connection, job_id, self.identity.id))
+        if lost >= MOST_LOST_WORKERS:
+            self.store.write(lambda connection: end_build(connection, job_id))
+            raise BuildError(f"{lost} workers ended while they built the problem; mend the code that ends them")
+        try:
+            self._courses[job_id] = course = self._built(job_id, row)
+        except Exception:
+            self.store.write(lambda connection: end_build(connection, job_id, self.identity.id))
+            raise
+        self.store.write(lambda connection: end_build(connection, job_id))
+        return course
+
+    def _built(self, job_id: str, row: Record) -> Course:
+        """Build the problem of a job; what cannot be built ends an evaluation process, not this one."""
         document = unpack_problem(row.problem)
         if is_foreign(document.get("forward_model")):
             self._evaluator.build(job_id, document, row.seed, RunLimits(None, self.settings.build_memory_mb))
         problem = parse_problem(document)
         offer = self.store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
-        course = Course(Calibration(problem, row.seed, offer))
-        self._courses[job_id] = course
-        return course
+        return Course(Calibration(problem, row.seed, offer))
 
     def _refuse(self, job_id: str, course: Course) -> None:
         def why() -> str | None:

@@ -11,6 +11,7 @@ from sqlalchemy import ColumnElement, Connection, Select, and_, delete, func, in
 from geoswarm.records.hook import Hook, NewHook
 from geoswarm.records.states import ENDED_STATES, EndedState
 from geoswarm.workers.access.principal import Principal
+from geoswarm.workers.access.quotas import lock_quotas
 from geoswarm.workers.errors import HookNotFoundError, HookRefusedError, JobNotFoundError, QuotaExceededError
 from geoswarm.workers.notices.addresses import judge_url
 from geoswarm.workers.notices.mail import judge_address
@@ -129,6 +130,7 @@ class Hooks:
         return self.store.write(work)
 
     def _require_room(self, connection: Connection, owner: str | None) -> None:
+        lock_quotas(connection)
         own = hooks.c.owner.is_(None) if owner is None else hooks.c.owner == owner
         # Hooks of single jobs that have been told have done their work.
         open_ones = or_(hooks.c.job_id.is_(None), _some_waiting(), ~_some_delivery())

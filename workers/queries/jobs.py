@@ -43,7 +43,7 @@ from geoswarm.workers.states.job import (
     Transition,
 )
 from geoswarm.workers.store.clock import database_now
-from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
+from geoswarm.workers.store.codec import pack_json, text_of_program, unpack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.event_bell import insert_events
 from geoswarm.workers.store.outbox import insert_deliveries
@@ -190,7 +190,7 @@ def save_job(
     values: dict[str, Any] = {
         "state": after.state,
         "stop_reasons": pack_json(list(after.stop_reasons)),
-        "error": None if after.error is None else clean_text(after.error),
+        "error": None if after.error is None else text_of_program(after.error),
         "run_seconds": locked.run_seconds(gap),
         "clock_at": locked.now if after.state == "running" else None,
         "finished_at": locked.now if ended else None,

@@ -9,14 +9,16 @@ from sqlalchemy import ColumnElement, Connection, and_, case, delete, exists, fu
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.database import Record
-from geoswarm.workers.store.tables import agents, evaluations, jobs, workers
+from geoswarm.workers.store.tables import agents, builds, evaluations, jobs, workers
 
 __all__ = [
     "any_lost_before",
+    "begin_build",
     "busy_workers",
     "count_live",
     "count_machines",
     "current_work",
+    "end_build",
     "forget_worker",
     "forget_workers_lost_before",
     "list_workers",
@@ -55,6 +57,22 @@ def see_worker(connection: Connection, identity: Identity) -> None:
 def forget_worker(connection: Connection, worker_id: str) -> None:
     """Remove a worker that ends in an orderly way."""
     connection.execute(delete(workers).where(workers.c.id == worker_id))
+
+
+def begin_build(connection: Connection, job_id: str, worker_id: str) -> int:
+    """Note that a worker builds the problem of a job; return how many have ended that were building it."""
+    alive = select(workers.c.id).where(workers.c.lost_at.is_(None))
+    others = and_(builds.c.job_id == job_id, builds.c.worker != worker_id)
+    lost = connection.scalar(select(func.count()).where(others, builds.c.worker.not_in(alive)))
+    end_build(connection, job_id, worker_id)
+    connection.execute(insert(builds).values(job_id=job_id, worker=worker_id))
+    return lost or 0
+
+
+def end_build(connection: Connection, job_id: str, worker_id: str | None = None) -> None:
+    """Note that a worker has built the problem, or tried it, without an end to itself; None: nobody ends by it."""
+    noted = delete(builds).where(builds.c.job_id == job_id)
+    connection.execute(noted if worker_id is None else noted.where(builds.c.worker == worker_id))
 
 
 def count_live(connection: Connection, lease: float) -> int:

@@ -28,7 +28,7 @@ from geoswarm.solver.problem.checks.extremes import extreme_issues
 from geoswarm.solver.runs.check import CheckReport
 from geoswarm.solver.runs.warm_start import forward_model_hash
 from geoswarm.workers.access.principal import LOCAL, Principal
-from geoswarm.workers.access.quotas import check_quotas, sizes
+from geoswarm.workers.access.quotas import check_quotas, lock_quotas, sizes
 from geoswarm.workers.agents.needs import needs_of
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.coordinator.runtime import Runtime
@@ -172,6 +172,8 @@ class JobService(JobRecords):
         }
 
         def work(connection: Connection) -> tuple[Job, bool]:
+            if quota_of is not None:
+                lock_quotas(connection)  # before the look: who had it may have used the same key
             same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None:
                 self._require_room()

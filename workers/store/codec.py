@@ -9,12 +9,14 @@ from datetime import UTC, datetime
 from typing import Any
 
 from geoswarm.solver.arrays import FloatArray, pack_array, unpack_array
+from geoswarm.solver.words import visible
 
 __all__ = [
     "clean_text",
     "pack_array",
     "pack_json",
     "pack_responses",
+    "text_of_program",
     "to_datetime",
     "to_optional_datetime",
     "unpack_array",
@@ -31,6 +33,14 @@ WORTH_DEFLATING = 4096  # bytes; smaller ones cost more time than they save
 def clean_text(text: str) -> str:
     """Return text that every database takes: no NUL, no lone surrogates."""
     return text.replace("\x00", "").encode("utf-8", "replace").decode("utf-8")
+
+
+def text_of_program(text: str) -> str:
+    """Return what a program wrote, for the database: nothing in it steers a terminal or turns the direction of a page.
+
+    A carriage return, behind which a progress bar is written again, ends a line.
+    """
+    return visible(clean_text(text).replace("\r\n", "\n").replace("\r", "\n"), lines=True)
 
 
 def pack_json(value: Any) -> str:

@@ -29,6 +29,7 @@ __all__ = [
     "agents",
     "api_keys",
     "attempts",
+    "builds",
     "counters",
     "deliveries",
     "evaluations",
@@ -362,6 +363,14 @@ deliveries = Table(
     sqlite_autoincrement=True,
 )
 """What hooks are still to be told, and were; entered in the transaction that ends a job."""
+
+builds = Table(
+    "builds",
+    metadata,
+    _job(key=True),
+    Column("worker", String(80), primary_key=True),
+)
+"""Workers that are building the problem of a job. One that has ended meanwhile may have ended by that."""
 
 counters = Table(
     "counters",

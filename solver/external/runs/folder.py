@@ -58,6 +58,8 @@ class RunFolder:
         self._name = f"{_here()}-{os.getpid()}-{_started(os.getpid())}-{next(_numbers)}"
         self.path = parent / f"running-{self._name}"
         self.path.mkdir(mode=0o700)
+        self.made_at = self.path.stat().st_mtime_ns
+        """By the clock of the file system, which may be that of another machine [ns]."""
 
     def place(self, source: Path, name: str, *, link: bool) -> None:
         """Copy a file or folder into this one, or link it, as ``name``."""

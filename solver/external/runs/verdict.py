@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import stat
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
@@ -14,7 +15,7 @@ from geoswarm.solver.errors import FailureReason
 from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.external.runs.program import Ended
 
-__all__ = ["FileState", "Fail", "Success", "judge", "states"]
+__all__ = ["FileState", "Fail", "Success", "judge", "not_of_run", "states"]
 
 OUTPUT = "output"
 """In rules, what the program prints."""
@@ -73,10 +74,29 @@ def states(folder: Path, names: Iterable[str]) -> dict[str, FileState]:
     return found
 
 
+def not_of_run(path: Path, made_at: int) -> str | None:
+    """Return why a file was not made by a run, in words; None: it was, or there is none.
+
+    Parameters
+    ----------
+    made_at
+        When the folder of the run was made [ns].
+    """
+    try:
+        found = os.lstat(path)
+    except OSError:
+        return None
+    if stat.S_ISLNK(found.st_mode) or (stat.S_ISREG(found.st_mode) and found.st_nlink > 1):
+        return "is a link; only a file that the run itself wrote counts"
+    changed = found.st_mtime_ns if os.name == "nt" else min(found.st_mtime_ns, found.st_ctime_ns)
+    return "is older than the run" if changed < made_at else None
+
+
 def judge(
     ended: Ended,
     program: str,
     folder: Path,
+    made_at: int,
     before: Mapping[str, FileState],
     needed: Iterable[str],
     success: Success,
@@ -89,6 +109,8 @@ def judge(
     ----------
     program
         How it was called, for messages.
+    made_at
+        When the folder was made [ns].
     before
         State of all files that are looked at, before the run.
     needed
@@ -100,14 +122,23 @@ def judge(
     ------
     RunFailedError
         With the reason: ``timeout``; what ``fail`` says; ``program_failed`` for another exit status, a signal or a
-        missing text of success; ``no_output`` for a file that is missing or older than the run.
+        missing text of success; ``no_output`` for a file that is missing, a link, or older than the run.
     """
     if ended.status is None:
         raise RunFailedError("timeout", f"{program} {ended.words} (seconds) with all that it had started")
     after = states(folder, before)
+
+    def fault(name: str) -> str | None:
+        unchanged = after.get(name) is not None and after[name] == before.get(name)
+        return "is older than the run" if unchanged else not_of_run(folder / name, made_at)
+
+    def text_of(name: str) -> str | None:
+        if name == OUTPUT:
+            return _text(output)
+        return None if fault(name) else _text(folder / name)
+
     for name, patterns in fail.text.items():
-        old = name != OUTPUT and after.get(name) == before.get(name)  # of an earlier run
-        text = None if old else _text(output if name == OUTPUT else folder / name)
+        text = text_of(name)
         for pattern, reason in patterns.items():
             found = None if text is None else re.search(pattern, text, re.MULTILINE)
             if found:
@@ -119,13 +150,10 @@ def judge(
     for name in needed:
         if after[name] is None:
             raise RunFailedError("no_output", f"{program} {ended.words}, but has not written {name}")
-        if after[name] == before[name]:
-            raise RunFailedError(
-                "no_output", f"{name} is older than the run: {program} {ended.words}, but has not written it"
-            )
+        if why := fault(name):
+            raise RunFailedError("no_output", f"{name} {why}: {program} {ended.words}, but has not written it")
     for name, pattern in success.text.items():
-        old = name != OUTPUT and after.get(name) == before.get(name)
-        text = None if old else _text(output if name == OUTPUT else folder / name)
+        text = text_of(name)
         if text is None or not re.search(pattern, text, re.MULTILINE):
             raise RunFailedError("program_failed", f"{program} {ended.words}, but '{pattern}' is not in {name}")
 

@@ -27,7 +27,7 @@ from geoswarm.solver.external.runs.secrets import Secrets, private_values
 from geoswarm.solver.external.runs.slots import slot
 from geoswarm.solver.external.runs.sources import Sources
 from geoswarm.solver.external.runs.verdict import OUTPUT as RULE_OUTPUT
-from geoswarm.solver.external.runs.verdict import FileState, judge, states
+from geoswarm.solver.external.runs.verdict import FileState, judge, not_of_run, states
 from geoswarm.solver.external.trial import is_watched, note
 from geoswarm.solver.forward.base import ForwardRun, NotedResponse, ParameterInfo
 from geoswarm.solver.forward.programs.foreign import ForeignModel, series_in_base_units
@@ -251,8 +251,10 @@ class ProgramRun:
             output = folder.path / OUTPUT
             ended = run_program(call, folder.path, environment, spec.seconds, output)
             with reading("texts of success and fail", spec.seconds):
-                judge(ended, call[0], folder.path, before, self._outputs, spec.success, spec.fail, output)
-            self._refuse_old_pieces(folder.path, before)
+                judge(
+                    ended, call[0], folder.path, folder.made_at, before, self._outputs, spec.success, spec.fail, output
+                )
+            self._refuse_old_pieces(folder, before)
             return read({name: self._read(name, folder.path) for name in self._readers})
         except (NotStartedError, InputError, OutputError, ForwardError, OSError) as error:
             if isinstance(error, RunFailedError) and error.reason == NO_LICENCE and not is_watched():
@@ -280,15 +282,24 @@ class ProgramRun:
         for name in self._outputs:  # many programs write into a folder, and do not make it
             (folder.path / name).parent.mkdir(parents=True, exist_ok=True)
 
-    def _refuse_old_pieces(self, folder: Path, before: Mapping[str, FileState]) -> None:
+    def _refuse_old_pieces(self, folder: RunFolder, before: Mapping[str, FileState]) -> None:
         """Results on a mesh may be named in a new file and lie in old ones."""
-        old = [name for name, state in states(folder, self._pieces).items() if state == before[name]]
-        for reader in self._readers.values() if old else ():
-            if reader.file.lower().endswith(_COLLECTIONS):
-                text = (folder / reader.file).read_text(encoding="utf-8", errors="replace")
-                named = next((name for name in old if name.rpartition("/")[2] in text), None)
-                if named is not None:
-                    raise RunFailedError("no_output", f"{reader.file} names {named}, which is older than the run")
+        collections = [one.file for one in self._readers.values() if one.file.lower().endswith(_COLLECTIONS)]
+        if not collections:
+            return
+        old = {
+            name: "older than the run"
+            for name, state in states(folder.path, self._pieces).items()
+            if state == before[name]
+        }
+        for path in folder.path.rglob("*"):
+            if path.name.lower().endswith(_PIECES) and (why := not_of_run(path, folder.made_at)):
+                old.setdefault(path.relative_to(folder.path).as_posix(), why.removeprefix("is "))
+        for file in collections:
+            text = (folder.path / file).read_text(encoding="utf-8", errors="replace")
+            named = next((name for name in old if name.rpartition("/")[2] in text), None)
+            if named is not None:
+                raise RunFailedError("no_output", f"{file} names {named}, which is {old[named]}")
 
     def _read(self, name: str, folder: Path) -> tuple[FloatArray, FloatArray]:
         """x and y of a series in base units."""

@@ -19,7 +19,7 @@ from geoswarm.solver.report.document.laboratory import calculated_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
 from geoswarm.solver.report.terms import values_in_terms
 from geoswarm.solver.system.versions import versions
-from geoswarm.solver.words import visible
+from geoswarm.solver.words import csv_cell
 
 if TYPE_CHECKING:
     from geoswarm.solver.identifiability import Statistics
@@ -140,7 +140,7 @@ def evaluation_row(problem: Problem, generation: int, particle: int, e: Evaluati
     """Return one row of evaluations.csv."""
     state = "finished" if e.reason is None else "failed"
     misfits = [e.misfits.get(o.series) for o in problem.observations]
-    message = e.message and visible(e.message)
+    message = e.message and csv_cell(e.message)
     return [generation, particle, state, e.objective, *e.parameters.tolist(), *misfits, e.reason, message, e.seconds]
 
 

@@ -16,8 +16,10 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.evaluator import BuildError, RunLimits
-from geoswarm.solver.runner.runner import Runner
+from geoswarm.solver.runner.evaluator import BuildError, NeverMind, RunLimits
+from geoswarm.solver.runner.runner import Runner, _EndedError, _SpoiledError
+from geoswarm.solver.runner.shared_state import Progress
+from geoswarm.solver.runner.wire import Outcome
 from geoswarm.solver.system.processes import descendants
 from tests.integration.engines import wait_for
 from tests.models.geoswarm_bad_models import REASONS
@@ -85,6 +87,49 @@ def test_a_growing_process_is_renewed_and_no_evaluation_is_blamed(runner: Runner
         for first in range(0, 12, size):
             found += evaluated(runner, f"leak {size}", "leak memory", slopes[first : first + size])
         assert found == expected(slopes)
+
+
+@pytest.mark.parametrize("answered", range(4))
+@pytest.mark.parametrize("noted", [-2, -1, 0, 1, 2, 3, 10**6])
+@pytest.mark.parametrize("ending", ["ended", "spoiled", "never mind"])
+def test_a_process_that_ends_anywhere_is_blamed_on_no_answered_evaluation(
+    monkeypatch: pytest.MonkeyPatch, ending: str, noted: int, answered: int
+) -> None:
+    calibration, asked = bad("good"), positions(-1.0, -2.0, -3.0)
+    ends = 3
+
+    def batch(_: object, _job: str, _made: object, part: Any, *_others: object) -> Iterator[Outcome]:
+        nonlocal ends
+        ends -= 1
+        for position in part[: answered if ends >= 0 else None]:
+            yield Outcome(calibration.evaluate(position), None, 0.0, 0.0)
+        if ends >= 0:
+            match ending:
+                case "ended":
+                    raise _EndedError("worker_lost", "it ended", Progress(noted, 0.0, 0.0), None)
+                case "spoiled":
+                    raise _SpoiledError(noted)
+                case _:
+                    raise NeverMind(noted)
+
+    monkeypatch.setattr(Runner, "_batch", batch)
+    made = Runner()
+    outcomes: list[Outcome] = []
+    killed: int | None = None
+    try:
+        for outcome in made.run("job", calibration, asked, LIMITS):
+            outcomes.append(outcome)  # noqa: PERF402  those before a NeverMind count
+    except NeverMind as end:
+        killed = end.index
+    finally:
+        made.close()
+    assert (killed is None) == (ending != "never mind" or answered == 3)
+    if killed is not None:
+        assert len(outcomes) == answered <= killed < 3
+        return
+    assert [outcome.evaluation.parameters.tolist() for outcome in outcomes] == asked.tolist()
+    assert ending == "ended" or not any(outcome.evaluation.reason for outcome in outcomes)
+    assert not any(outcome.evaluation.reason for outcome in outcomes[:answered])
 
 
 def test_output_stays_bounded_while_it_is_written(runner: Runner) -> None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -192,6 +194,49 @@ def test_texts_at_the_end_of_a_long_output_count(tmp_path: Path) -> None:
     code = f"{ECHO}\nimport os\nfor _ in range(100): os.write(1, b'x' * 70_000)\nos.write(1, b'*ERROR')"
     given = problem(tmp_path, run=["{python}", "-c", code], fail={"text": {"output": {r"\\*ERROR": "diverged"}}})
     assert Calibration(given, 1).evaluate_values({"a": 0.5, "b": 0.5}).reason == "diverged"
+
+
+OLD = {
+    "symbolic link": "os.symlink(old, name)",
+    "hard link": "os.link(old, name)",
+    "copy with its times": "shutil.copy2(old, name)",
+    "file of yesterday": "shutil.move(old, name)",
+    "link to a result of the run": "shutil.copy(old, name + '_'); os.symlink(name + '_', name)",
+}
+
+
+@pytest.mark.parametrize("way", OLD)
+def test_what_this_run_has_not_written_does_not_count(way: str, tmp_path: Path) -> None:
+    old = tmp_path / "old.csv"
+    begin = f"import os, shutil\nold = {str(old)!r}\n"
+    why = "is a link" if "link" in way else "is older than the run"
+
+    def found(name: str, code: str, **rules: Any) -> tuple[str | None, str]:
+        old.write_text("x,y\n0,FINISHED\n2,1\n" if name == "job.log" else "x,y\n0,1\n2,1\n")
+        os.utime(old, (time.time() - 86400.0,) * 2)
+        code = f"{ECHO if name != 'out.csv' else ''}\n{begin}name = {name!r}\n{code}"
+        given = problem(tmp_path, run=["{python}", "-c", code], **rules)
+        evaluation = Calibration(given, 1).evaluate_values({"a": 0.5, "b": 0.5})
+        return evaluation.reason, evaluation.message or ""
+
+    reason, message = found("out.csv", OLD[way])
+    assert (reason, f"out.csv {why}" in message) == ("no_output", True)
+    finished = {"job.log": "FINISHED"}
+    assert found("job.log", OLD[way], success={"text": finished})[0] == "program_failed"
+    assert found("job.log", OLD[way], fail={"text": {"job.log": {"FINISHED": "diverged"}}})[0] is None
+    assert found("job.log", "shutil.copy(old, name)", success={"text": finished})[0] is None
+
+
+def test_new_collections_of_results_with_old_times_are_refused(tmp_path: Path) -> None:
+    code = (
+        "import os\nopen('old.vtu', 'w').write('<VTKFile></VTKFile>'); os.utime('old.vtu', (1, 1))\n"
+        "open('r.pvd', 'w').write('<DataSet timestep=\"0\" file=\"old.vtu\"/>')"
+    )
+    series = {"y": {"file": "r.pvd", "point": [0, 0], "field": "u"}}
+    found = Calibration(problem(tmp_path, run=["{python}", "-c", code], series=series), 1).evaluate_values(
+        {"a": 0, "b": 0}
+    )
+    assert (found.reason, "r.pvd names old.vtu, which is older" in (found.message or "")) == ("no_output", True)
 
 
 def test_new_collections_of_old_results_are_refused(tmp_path: Path) -> None:
