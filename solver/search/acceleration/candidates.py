@@ -268,20 +268,21 @@ class Arms:
             self._steps[key] = ends[order], values[order]
         return self._steps[key]
 
-    def _trusted(self, compression: float | None, reach: float) -> FloatArray | None:
+    def step(self, compression: float | None, reach: float) -> FloatArray | None:
         """The lowest new minimum in the trust region, pulled back towards its centre where it is not admissible."""
         if self.centre is None:
             return None
         ends, _ = self._in_region(compression, reach)
         middle = self.knowledge.points[self.centre]
-        apart = self.taken and _TAKEN_APART * reach * self.region.radius
-        for end in ends:
-            for part in _PULLED_BACK:
-                point = self._new(middle + part * (end - middle), _LOCAL_APART, float(apart or 0.0))
-                if point is not None:
-                    self._note(point)
-                    return point
-        return None
+        apart = float(_TAKEN_APART * reach * self.region.radius if self.taken else 0.0)
+        parts = (middle + part * (end - middle) for end in ends for part in _PULLED_BACK)
+        return next((p for c in parts if (p := self._new(c, _LOCAL_APART, apart)) is not None), None)
+
+    def _trusted(self, compression: float | None, reach: float) -> FloatArray | None:
+        point = self.step(compression, reach)
+        if point is not None:
+            self._note(point)
+        return point
 
     def _note(self, point: FloatArray) -> None:
         """Keep the lowest promise of the steps taken."""

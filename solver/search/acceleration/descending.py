@@ -64,6 +64,9 @@ def next_of_descent(arms: Arms, count: int) -> Descent:
             continue
         if length < _SHORT * radius:
             arms.region = replace(arms.region, radius=max(_SHORTENED * radius, 2.0 * length))
+        if arms.step(None, 1.0) is None:  # all of it leads into a finished basin, or beyond a constraint
+            arms.region = arms.region.narrower()
+            continue
         return Descent(arms.region, DESCENT_PATTERN)
     return Descent(TrustRegion(since=count), BEGIN_PATTERN, known.points[arms.first])
 
