@@ -90,6 +90,7 @@ class Arms:
                     "covariance": self._covariance,
                     "near": self._near_point,
                     "far": self._far_point,
+                    "partly": self._partly_new_point,
                     "step": self._other_whole_number,
                     "probe": self._probe,
                     "poise": self._poise,
@@ -361,6 +362,13 @@ class Arms:
         points = self.random.random((_TRIES, self.knowledge.points.shape[1]))
         nearest = ((points[:, None, :] - self._occupied()[None]) ** 2).sum(axis=2).min(axis=1)
         return self._first_new(points[np.argsort(-nearest, kind="stable")], 0.0)
+
+    def _partly_new_point(self) -> FloatArray | None:
+        """The best of all with some of its parameters drawn anew: other basins often share the rest."""
+        best, random = self.knowledge.points[0], self.random
+        draws = random.random((_TRIES, best.size))
+        kept = random.random((_TRIES, best.size)) < 0.5
+        return self._first_new(np.where(kept, best, draws), _SURFACE_APART)
 
     def _occupied(self) -> FloatArray:
         # the selected points suffice here: what matters is the distance to the known regions
