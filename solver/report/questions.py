@@ -14,6 +14,7 @@ from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability import Linearisation, Statistics, StatisticsError
 from geoswarm.solver.identifiability.errors import NotExaminedError
 from geoswarm.solver.identifiability.noise import Noise, known_noise, problem_noise
+from geoswarm.solver.identifiability.optimum.hidden import is_sparse
 from geoswarm.solver.identifiability.prediction.draws import (
     Basin,
     ParameterSample,
@@ -24,7 +25,6 @@ from geoswarm.solver.identifiability.prediction.draws import (
 from geoswarm.solver.identifiability.prediction.question import MOST_RUNS, predict_problem
 from geoswarm.solver.identifiability.prediction.shapes import shape_of
 from geoswarm.solver.identifiability.stored.posterior import Posterior
-from geoswarm.solver.identifiability.stored.verdict_words import SPARSE
 from geoswarm.solver.identifiability.worth.candidates import read_candidates, read_predicted
 from geoswarm.solver.identifiability.worth.question import MOST_DRAWS, design_problem
 from geoswarm.solver.methods.design import Criterion
@@ -308,7 +308,7 @@ def _said(known: Known, sample: ParameterSample | None) -> list[str]:
         said.append(f"the search had not reached the minimum: it is {found.far:.1f} standard errors away")
     said += [f"{name} lies on its {side} bound: its distribution is cut there" for name, side in found.held]
     hidden = known.statistics.basins.hidden
-    if hidden is not None and hidden > SPARSE:
+    if hidden is not None and is_sparse(hidden):
         said.append(
             f"another basin could still hide in {share(hidden)} of the searched space, which takes no part; "
             "'geoswarm explore' looks there"

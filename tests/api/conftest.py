@@ -46,7 +46,9 @@ def line_problem(**changes: Any) -> dict[str, Any]:
 @pytest.fixture
 def settings(tmp_path: Path, sqlite_template: Path) -> Settings:
     shutil.copy(sqlite_template, tmp_path / "jobs.db")
-    return Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1, slice_seconds=60)
+    # a worker whose heartbeat is late leaves its job to others: there are none here
+    patient = {"lease_seconds": 600.0, "heartbeat_seconds": 150.0, "slice_seconds": 60.0}
+    return Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1, **patient)
 
 
 @pytest.fixture

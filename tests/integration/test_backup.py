@@ -31,7 +31,7 @@ PROBLEM = line(stopping={"max_evaluations": 60})
 
 
 def settings_for(url: str) -> Settings:
-    return Settings(database_url=url, workers=1, isolate=False, lease_seconds=60.0)
+    return Settings(database_url=url, workers=1, isolate=False, lease_seconds=600.0, heartbeat_seconds=150.0)
 
 
 def begin(store: Store, settings: Settings) -> tuple[str, str, str]:

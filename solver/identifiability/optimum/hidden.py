@@ -14,7 +14,7 @@ from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.search.space import SearchSpace
 
-__all__ = ["Unseen", "hidden_share", "places"]
+__all__ = ["Unseen", "hidden_share", "is_sparse", "places"]
 
 _POINTS = 2000
 _DRAWS = 10  # times as many points at most in the search for feasible ones
@@ -23,6 +23,7 @@ _REACH = 0.5  # of the rise to an ordinary run: one that is lower stands out
 _UNEXPLAINED = 0.25  # of the rise that the basin of the optimum has there
 _APART = 0.1  # parts of the range to the nearest better run, in the head of a basin
 _MOST_HEADS = 50  # that are looked at
+_SPARSE = 0.1  # of the space
 _FEWEST_AROUND = 5  # runs around a head that show that it goes no lower
 
 
@@ -150,6 +151,11 @@ def places(space: SearchSpace, count: int, seed: int = 0) -> FloatArray:
         if len(found) >= count:
             break
     return np.array(found[:count]).reshape(-1, space.dimension)
+
+
+def is_sparse(hidden: float | None) -> bool:
+    """Whether another basin could hide in so much of the space that "identified" is said of one basin only."""
+    return hidden is not None and hidden > _SPARSE
 
 
 def hidden_share(space: SearchSpace, unseen: Unseen, unfinished: IntArray | None = None) -> float | None:

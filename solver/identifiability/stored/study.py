@@ -19,7 +19,7 @@ from geoswarm.solver.identifiability.optimum.basins import (
     other_fits,
     untried_exchanges,
 )
-from geoswarm.solver.identifiability.optimum.hidden import Unseen, hidden_share
+from geoswarm.solver.identifiability.optimum.hidden import Unseen, hidden_share, is_sparse
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.residuals.independence import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
@@ -29,7 +29,7 @@ from geoswarm.solver.identifiability.stored.correlations import Correlations, co
 from geoswarm.solver.identifiability.stored.filtering import Filtered, filter_samples, propose_threshold
 from geoswarm.solver.identifiability.stored.projections import Projection, project
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
-from geoswarm.solver.identifiability.stored.verdict_words import SPARSE, where_intervals_hold
+from geoswarm.solver.identifiability.stored.verdict_words import where_intervals_hold
 from geoswarm.solver.identifiability.stored.verdicts import Beyond, Verdict, judge
 from geoswarm.solver.methods.registry import find_method
 from geoswarm.solver.problem.weighting import SeriesShare, series_shares
@@ -261,16 +261,19 @@ def analyse(
     pearson_search = correlate(filtered.samples, coordinates="search")
     projections = project(samples, filtered.threshold.value, bins=bins)
     best = samples.best
-    lowest = _objective_at(calibration, samples, at_optimum)
+    misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
+    lowest = float(samples.objectives[best])
+    if at_optimum:
+        misfits_there = calibration.objective.misfits(dict(at_optimum))
+        lowest = calibration.objective.value(misfits_there)
     at_minimum = linearisation is not None and lowest <= float(samples.objectives[best]) * _ROUNDING
     if linearisation is not None and at_minimum:  # the minimum is the result, not the best sample
         result = linearisation.optimum.tolist()
         projections = tuple(replace(one, best=value) for one, value in zip(projections, result, strict=True))
     at_best = at_optimum or {series: values[best] for series, values in samples.responses.items()}
     residuals = examine_residuals(calibration, at_best, None if known is None else known.deviations) if at_best else ()
-    misfits = {series: float(values[best]) for series, values in samples.misfits.items()}
     if at_optimum and at_minimum:
-        misfits = calibration.objective.misfits(dict(at_optimum))
+        misfits = misfits_there
     fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
     warnings = [w for r in residuals for w in r.warnings] if fit.kind in ("untested", "error_not_met") else []
     if linearisation is not None:
@@ -297,7 +300,7 @@ def analyse(
         warnings[:0] = [EXCHANGE.format(first=first, second=second) for first, second in basins.exchanges]
         warnings += [_left(samples, other, lowest) for other in basins.unfinished]
         warnings += [ON_BOUND.format(name=name, side=side) for name, side in linearisation.held]
-        if basins.hidden is not None and basins.hidden > SPARSE:
+        if is_sparse(basins.hidden):
             warnings.append(SPARSE_RUNS.format(hidden=share(basins.hidden)))
     if points < samples.dimension:
         warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
@@ -330,14 +333,6 @@ def analyse(
         basins=basins,
         at_minimum=at_minimum,
     )
-
-
-def _objective_at(calibration: Calibration, samples: Samples, responses: Mapping[str, FloatArray] | None) -> float:
-    """The objective at the optimum: of its responses where they are given, of the best sample otherwise."""
-    best = float(samples.objectives[samples.best])
-    if not responses:
-        return best
-    return calibration.objective.value(calibration.objective.misfits(dict(responses)))
 
 
 def _other_fit(samples: Samples, other: OtherFit, best: float, limit: float) -> str:

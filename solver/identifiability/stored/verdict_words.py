@@ -14,13 +14,9 @@ from geoswarm.solver.words import ends, listed, share
 if TYPE_CHECKING:
     from geoswarm.solver.identifiability.stored.verdicts import Evidence, VerdictCode, VerdictKind
 
-__all__ = ["FEWEST_GOOD_FITS", "SPARSE", "in_words", "where_intervals_hold"]
+__all__ = ["FEWEST_GOOD_FITS", "in_words", "where_intervals_hold"]
 
 FEWEST_GOOD_FITS = 10
-
-SPARSE = 0.1
-"""From this share of the space in which another basin could hide, "identified" is said of one basin only."""
-
 _SMALLEST = 0.001  # share that is told
 _MORE_RUNS = "sample the space or calculate sensitivities at the optimum"
 
@@ -63,8 +59,7 @@ def in_words(
 def _claim(kind: VerdictKind, evidence: Evidence) -> str:
     match kind:
         case "identified":
-            sparse = evidence.hidden is not None and evidence.hidden > SPARSE
-            return f"is identified{' within one basin only' if sparse else ''}"
+            return f"is identified{' within one basin only' if evidence.sparse else ''}"
         case "bounded_on_one_side":
             return f"is only bounded from {'above' if evidence.open_below else 'below'}"
         case "in_combination":
@@ -168,7 +163,7 @@ def _caveats(kind: VerdictKind, evidence: Evidence) -> list[str]:
         return []
     parts = ["it holds within its basin"]
     if evidence.hidden is not None:
-        sparse = "the runs are sparse, and " if evidence.hidden > SPARSE else ""
+        sparse = "the runs are sparse, and " if evidence.sparse else ""
         parts.append(f"{sparse}one like it could still hide in {_share(evidence.hidden)} of the searched space")
     if evidence.exact:
         parts.append("all readings are met to rounding, so no error can be estimated: the width is that of rounding")

@@ -27,6 +27,7 @@ from math import comb
 from typing import Any, Literal, TypeAlias
 
 from geoswarm.solver.identifiability.optimum.basins import OtherFit
+from geoswarm.solver.identifiability.optimum.hidden import is_sparse
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.residuals.readings import FEWEST_FREE
@@ -35,7 +36,7 @@ from geoswarm.solver.identifiability.stored.correlations import COORDINATES, Cor
 from geoswarm.solver.identifiability.stored.filtering import Filtered
 from geoswarm.solver.identifiability.stored.projections import Projection
 from geoswarm.solver.identifiability.stored.proposals import Proposal, propose
-from geoswarm.solver.identifiability.stored.verdict_words import FEWEST_GOOD_FITS, SPARSE, in_words
+from geoswarm.solver.identifiability.stored.verdict_words import FEWEST_GOOD_FITS, in_words
 from geoswarm.solver.words import verdict_in_words
 
 __all__ = ["WIDTH_LIMIT", "Beyond", "Evidence", "Verdict", "VerdictCode", "VerdictKind", "judge"]
@@ -125,6 +126,11 @@ class Evidence:
     exact: bool = False
     spare: int | None = None
 
+    @property
+    def sparse(self) -> bool:
+        """Whether another basin could hide in so much of the space that "identified" is said of one basin only."""
+        return is_sparse(self.hidden)
+
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
@@ -149,9 +155,8 @@ class Verdict:
     @property
     def words(self) -> str:
         """The kind in words, as every table shows it: "identified", or "identified within one basin"."""
-        hidden = self.evidence.hidden
-        sparse = self.kind == "identified" and hidden is not None and hidden > SPARSE
-        return f"{verdict_in_words(self.kind)} within one basin" if sparse else verdict_in_words(self.kind)
+        within = " within one basin" if self.kind == "identified" and self.evidence.sparse else ""
+        return f"{verdict_in_words(self.kind)}{within}"
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""

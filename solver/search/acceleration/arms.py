@@ -9,10 +9,12 @@ __all__ = [
     "BEGIN_PATTERN",
     "COVARIANCE",
     "DESCENT_PATTERN",
+    "FAR",
     "LATE_BEGIN_PATTERN",
     "LATE_DESCENT_PATTERN",
     "LATE_PATTERN",
     "NEAR",
+    "PARTLY",
     "POISE",
     "RESTARTED_PATTERN",
     "SCALAR_PATTERN",
@@ -70,12 +72,12 @@ class Plain:
     """An arm without settings.
 
     ``valley``: a low point far from all good runs; ``scalar_surface``: of log f; ``covariance``: a move of an evolution
-    strategy; ``near`` one of the best; ``far`` from everything; ``step`` to another value of an integer parameter;
-    ``probe``: a point for better slopes, from the best; ``poise``: one in a direction that runs in the trust region do
-    not span.
+    strategy; ``near`` one of the best; ``far`` from everything; ``partly``: the best with some parameters drawn anew;
+    ``step`` to another value of an integer parameter; ``probe``: a point for better slopes, from the best; ``poise``:
+    one in a direction that runs in the trust region do not span.
     """
 
-    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "step", "probe", "poise"]
+    name: Literal["valley", "scalar_surface", "covariance", "near", "far", "partly", "step", "probe", "poise"]
 
     def __str__(self) -> str:
         return self.name
@@ -86,8 +88,8 @@ Arm: TypeAlias = Surface | Local | Trust | Plain
 Pattern: TypeAlias = tuple[Arm, ...]
 
 VALLEY, SCALAR_SURFACE, COVARIANCE = Plain("valley"), Plain("scalar_surface"), Plain("covariance")
-NEAR, FAR, STEP, PROBE = Plain("near"), Plain("far"), Plain("step"), Plain("probe")
-POISE = Plain("poise")
+NEAR, FAR, PARTLY, STEP = Plain("near"), Plain("far"), Plain("partly"), Plain("step")
+PROBE, POISE = Plain("probe"), Plain("poise")
 
 DESCENT_PATTERN: Pattern = (
     Trust(),

@@ -90,6 +90,7 @@ class Arms:
                     "covariance": self._covariance,
                     "near": self._near_point,
                     "far": self._far_point,
+                    "partly": self._partly_new_point,
                     "step": self._other_whole_number,
                     "probe": self._probe,
                     "poise": self._poise,
@@ -268,20 +269,21 @@ class Arms:
             self._steps[key] = ends[order], values[order]
         return self._steps[key]
 
-    def _trusted(self, compression: float | None, reach: float) -> FloatArray | None:
+    def step(self, compression: float | None, reach: float) -> FloatArray | None:
         """The lowest new minimum in the trust region, pulled back towards its centre where it is not admissible."""
         if self.centre is None:
             return None
         ends, _ = self._in_region(compression, reach)
         middle = self.knowledge.points[self.centre]
-        apart = self.taken and _TAKEN_APART * reach * self.region.radius
-        for end in ends:
-            for part in _PULLED_BACK:
-                point = self._new(middle + part * (end - middle), _LOCAL_APART, float(apart or 0.0))
-                if point is not None:
-                    self._note(point)
-                    return point
-        return None
+        apart = float(_TAKEN_APART * reach * self.region.radius if self.taken else 0.0)
+        parts = (middle + part * (end - middle) for end in ends for part in _PULLED_BACK)
+        return next((p for c in parts if (p := self._new(c, _LOCAL_APART, apart)) is not None), None)
+
+    def _trusted(self, compression: float | None, reach: float) -> FloatArray | None:
+        point = self.step(compression, reach)
+        if point is not None:
+            self._note(point)
+        return point
 
     def _note(self, point: FloatArray) -> None:
         """Keep the lowest promise of the steps taken."""
@@ -360,6 +362,13 @@ class Arms:
         points = self.random.random((_TRIES, self.knowledge.points.shape[1]))
         nearest = ((points[:, None, :] - self._occupied()[None]) ** 2).sum(axis=2).min(axis=1)
         return self._first_new(points[np.argsort(-nearest, kind="stable")], 0.0)
+
+    def _partly_new_point(self) -> FloatArray | None:
+        """The best of all with some of its parameters drawn anew: other basins often share the rest."""
+        best, random = self.knowledge.points[0], self.random
+        draws = random.random((_TRIES, best.size))
+        kept = random.random((_TRIES, best.size)) < 0.5
+        return self._first_new(np.where(kept, best, draws), _SURFACE_APART)
 
     def _occupied(self) -> FloatArray:
         # the selected points suffice here: what matters is the distance to the known regions

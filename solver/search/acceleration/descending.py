@@ -1,8 +1,8 @@
 """How a descent goes on: its first simplex, steps of the trust region, runs that span a direction, and its end.
 
 A descent is over when its trust region has become small, or promises hardly anything though the runs around its best
-span all directions, or leads to the same point as an earlier one. Then d + 1 runs far from all others are made, and the
-best of these is where the next descent begins.
+span all directions, or leads to the same point as an earlier one. Then d + 1 runs are made, far from all others or with
+some parameters of the best of all, and the best of these is where the next descent begins.
 """
 
 from __future__ import annotations
@@ -64,6 +64,9 @@ def next_of_descent(arms: Arms, count: int) -> Descent:
             continue
         if length < _SHORT * radius:
             arms.region = replace(arms.region, radius=max(_SHORTENED * radius, 2.0 * length))
+        if not known.open.all() and arms.step(None, 1.0) is None:  # all of it leads into a finished basin
+            arms.region = arms.region.narrower()
+            continue
         return Descent(arms.region, DESCENT_PATTERN)
     return Descent(TrustRegion(since=count), BEGIN_PATTERN, known.points[arms.first])
 

@@ -18,9 +18,11 @@ from geoswarm.solver.search.acceleration.arms import (
     BEGIN_PATTERN,
     COVARIANCE,
     DESCENT_PATTERN,
+    FAR,
     LATE_BEGIN_PATTERN,
     LATE_DESCENT_PATTERN,
     NEAR,
+    PARTLY,
     RESTARTED_PATTERN,
     SCALAR_PATTERN,
     STEP,
@@ -37,6 +39,7 @@ from geoswarm.solver.search.acceleration.knowledge import Knowledge, selection
 from geoswarm.solver.search.acceleration.polishing import Polishing
 from geoswarm.solver.search.acceleration.proposer_state import MOST_SHARE, Later, ProposerState
 from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.acceleration.trust_region import TrustRegion
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.randomness import proposer_generator
 from geoswarm.solver.search.space import SearchSpace
@@ -235,10 +238,13 @@ class Proposer:
                 basins = basins.left(descent.left)
                 arms = arms_with(basins)
             arms.region, pattern = descent.region, descent.pattern
+            partly = pattern == BEGIN_PATTERN and self._partly(basins, arms.region, known.shape[1])
             if order.size >= LATE * (known.shape[1] + 1) and len(moved) > NARROW:
                 pattern = {DESCENT_PATTERN: LATE_DESCENT_PATTERN, BEGIN_PATTERN: LATE_BEGIN_PATTERN}.get(
                     pattern, pattern
                 )
+            if partly:
+                pattern = tuple(PARTLY if arm == FAR else arm for arm in pattern)
         elif scalar:
             pattern = SCALAR_PATTERN
         else:
@@ -287,6 +293,14 @@ class Proposer:
             if len(proposals) == before:
                 break
         return proposals
+
+    @staticmethod
+    def _partly(basins: Basins, region: TrustRegion, d: int) -> bool:
+        """Whether a descent begins at points that share some parameters with the best of all.
+
+        The more parameters there are, the more often: far points can cover a space of few dimensions only.
+        """
+        return basins.restarts > 0 and bool(np.random.default_rng(region.since).random() < 1.0 - 2.0 / d)
 
     @staticmethod
     def _whole_pattern(basins: Basins, generation: int) -> Pattern:
