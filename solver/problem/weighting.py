@@ -115,7 +115,9 @@ def series_shares(problem: Problem, misfits: Mapping[str, float]) -> tuple[Serie
     shares = []
     for o in problem.observations:
         misfit, unit = float(misfits[o.series]), o.y_unit or base[o.series]
-        deviation = float(convert(math.sqrt(misfit / float(o.point_weights.mean())), base[o.series], unit))
+        heaviest = float(o.point_weights.max())
+        mean = heaviest * float((o.point_weights / heaviest).mean())  # of weights whose sum may overflow
+        deviation = float(convert(math.sqrt(misfit / mean), base[o.series], unit))
         share = o.weight * misfit / objective if objective > 0.0 else 0.0
         test = test_of(problem.forward_model, o.series)
         shares.append(SeriesShare(o.series, test, o.weight, misfit, share, deviation, unit))

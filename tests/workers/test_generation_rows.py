@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import Connection, select
 
 from geoswarm.solver.problem import Problem
 from geoswarm.workers.coordinator.generation_rows import GenerationRows, load_generation
@@ -94,6 +94,24 @@ def test_claims_are_in_order_whatever_was_read_and_given_back(store: Store, hand
     assert claimed(1) == [0, 0]  # what it holds comes again
     assert claimed(50)[:50] == free[:50]
     assert claimed(PARTICLES)[: len(free)] == free
+
+
+@pytest.mark.parametrize(("most", "late"), [(1, 3), (8, 20), (64, 70)])
+def test_late_results_of_unclaimed_runs_leave_no_worker_without_work(
+    store: Store, hand: Hand, most: int, late: int
+) -> None:
+    """Their rows are pending in the database until the exchange ends, and may fill what is read further."""
+    hand.take()
+    hand.exchange(HandIn(hand.claim), want=False)
+
+    def claimed(connection: Connection) -> list[int]:
+        rows = load_generation(connection, hand.job_id, 0, particles=range(1, 1 + late), workers=["w1"], most=most)
+        for particle in range(1, 1 + late):
+            rows.cell(particle).set(EvaluationStatus("finished", 1, "w1"))
+        hand_out = HandOut(rows, 0.0, 10.0)
+        return [cell.particle for cell in hand_out.choose("w1", most, ())]
+
+    assert store.read(claimed) == [0, *range(1 + late, PARTICLES)][:most]
 
 
 def test_counts_follow_what_is_set(store: Store, hand: Hand) -> None:

@@ -149,6 +149,22 @@ def sweepers(store: Store, settings: Settings, doorbell: RecordingDoorbell) -> t
     return first, second
 
 
+with_marks = pytest.mark.parametrize("database_url", ["postgresql"], indirect=True)
+
+
+@pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
+def test_an_idle_service_leaves_its_file_in_peace(
+    store: Store, settings: Settings, doorbell: RecordingDoorbell
+) -> None:
+    sweeper = sweepers(store, settings, doorbell)[0]
+    sweeper.look()
+    statements: list[str] = []
+    event.listen(store.engine, "before_cursor_execute", partial(_note_statement, statements))
+    sweeper.look()
+    assert {statement.split()[0] for statement in statements} <= {"BEGIN", "SELECT", "PRAGMA"}
+    assert statements
+
+
 def set_back(store: Store, seconds: float) -> None:
     store.write(lambda c: c.execute(update(counters).values(value=counters.c.value - seconds)))
 
@@ -157,6 +173,7 @@ def rung_long_ago(store: Store) -> None:
     store.write(lambda c: c.execute(update(jobs).values(rung_at=None)))
 
 
+@with_marks
 def test_of_many_processes_one_sweeps(
     store: Store, settings: Settings, service: JobService, doorbell: RecordingDoorbell, make_worker: MakeWorker
 ) -> None:
@@ -192,6 +209,7 @@ def _note_statement(statements: list[str], _c: object, _cursor: object, statemen
     statements.append(statement)
 
 
+@with_marks
 def test_marks_of_machines_that_have_gone_are_forgotten(
     store: Store, settings: Settings, doorbell: RecordingDoorbell
 ) -> None:
@@ -202,6 +220,7 @@ def test_marks_of_machines_that_have_gone_are_forgotten(
     assert store.read(lambda c: set(c.scalars(marks))) == {"everywhere", this_machine()}
 
 
+@with_marks
 def test_the_dead_of_a_machine_are_seen_there_although_another_machine_sweeps(
     store: Store, settings: Settings, service: JobService, doorbell: RecordingDoorbell, make_worker: MakeWorker
 ) -> None:

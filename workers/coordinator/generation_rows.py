@@ -179,12 +179,17 @@ class GenerationRows:
         return sorted(found, key=lambda cell: cell.particle)
 
     def read_unclaimed(self, most: int) -> list[Cell]:
-        """Read unclaimed particles beyond those of :meth:`unclaimed`, and return them."""
-        before = self._known
-        given = {"job_id": self.job_id, "generation": self.generation, "after": before, "most": most}
-        found = self._read(FURTHER, given)
-        self._known = found[-1].particle if len(found) == most else math.inf
-        return [cell for cell in self.unclaimed() if cell.particle > before]
+        """Read unclaimed particles beyond those of :meth:`unclaimed`, and return them.
+
+        The database still has those as pending whose result was recorded in this transaction.
+        """
+        before, further = self._known, list[Cell]()
+        while len(further) < most and self._known < math.inf:
+            given = {"job_id": self.job_id, "generation": self.generation, "after": self._known, "most": most}
+            found = self._read(FURTHER, given)
+            self._known = found[-1].particle if len(found) == most else math.inf
+            further = [cell for cell in self.unclaimed() if cell.particle > before]
+        return further
 
     def read_running(self) -> list[Cell]:
         """Read all particles that somebody holds, and return them."""

@@ -1,4 +1,4 @@
-"""When all was last swept, and what one machine alone can see: so that of many processes one does it.
+"""When all was last swept, and what one machine alone can see, in PostgreSQL: so that of many processes one does it.
 
 A mark is a row of the counters. Nobody holds it: if the process that began a sweep dies, the next interval has another.
 """
@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from sqlalchemy import ColumnElement, Connection, delete, not_, or_, select
-from sqlalchemy.dialects.postgresql import insert as postgresql_insert
-from sqlalchemy.dialects.sqlite import insert as sqlite_insert
+from sqlalchemy.dialects.postgresql import insert
 
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import counters
 
-__all__ = ["begin_sweep", "due_sweeps"]
+__all__ = ["begin_sweep", "due_sweeps", "forget_marks"]
 
 NAME = "sweep"
 FORGET_SECONDS = 3600.0  # machines that have gone
@@ -29,13 +28,17 @@ def due_sweeps(connection: Connection, labels: Collection[str], seconds: float) 
 
 def begin_sweep(connection: Connection, label: str, seconds: float) -> bool:
     """Note that this process sweeps now; False if another one has begun in these seconds."""
-    connection.execute(delete(counters).where(counters.c.name == NAME, counters.c.label != label, _old(FORGET_SECONDS)))
-    upsert = sqlite_insert if connection.dialect.name == "sqlite" else postgresql_insert
-    statement = upsert(counters).values(name=NAME, label=label, value=database_now())
+    statement = insert(counters).values(name=NAME, label=label, value=database_now())
     statement = statement.on_conflict_do_update(
         index_elements=[counters.c.name, counters.c.label], set_={"value": database_now()}, where=_old(seconds)
     )
     return connection.scalar(statement.returning(counters.c.label)) is not None
+
+
+def forget_marks(connection: Connection, kept: Collection[str]) -> None:
+    """Delete the marks of machines that have gone."""
+    gone = counters.c.name == NAME, counters.c.label.not_in(kept), _old(FORGET_SECONDS)
+    connection.execute(delete(counters).where(*gone))
 
 
 def _old(seconds: float) -> ColumnElement[bool]:

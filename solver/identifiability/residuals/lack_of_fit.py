@@ -321,7 +321,8 @@ def _repeats(readings: Readings, deviations: FloatArray, rank: int, known: Mappi
 def _exceeded(readings: Readings, deviations: FloatArray) -> list[Misfit]:
     """Series whose residuals exceed the stated error, by more than chance and by a fifth at least.
 
-    Tested where each series counts by its noise; the ratio that is told is that of the result's residuals.
+    Tested where each series counts by its noise; the ratio in words is that of the result's residuals, which must
+    exceed the error as well.
     """
     residuals, basis = left_over(readings, deviations)
     own = [readings.of(index) for index in range(len(readings.observed))]
@@ -330,7 +331,9 @@ def _exceeded(readings: Readings, deviations: FloatArray) -> list[Misfit]:
     for index, (ratio, probability) in enumerate(results):
         if probability < _OTHER_LEVEL and ratio > _ERROR_RATIO:
             moved = np.linalg.norm(readings.scaled[own[index]]) / np.linalg.norm(residuals[own[index]])
-            found.append(_misfit(readings, (index, None), "stated_error", probability, ratio * float(moved)))
+            of_result = ratio * float(moved)
+            if of_result > _ERROR_RATIO:
+                found.append(_misfit(readings, (index, None), "stated_error", probability, of_result))
     return sorted(found, key=lambda misfit: -(misfit.ratio or 0.0))
 
 

@@ -73,7 +73,10 @@ def expected(slopes: tuple[float, ...], reason: str | None = None) -> list[Any]:
 
 @pytest.mark.parametrize("behaviour", REASONS)
 def test_a_bad_model_spoils_its_own_run_alone(runner: Runner, behaviour: str) -> None:
-    assert evaluated(runner, f"job of {behaviour}", behaviour) == expected(SLOPES, REASONS[behaviour])
+    found, wanted = evaluated(runner, f"job of {behaviour}", behaviour), expected(SLOPES, REASONS[behaviour])
+    # an answer may arrive before the end of its process is noticed
+    answers = expected(SLOPES) if behaviour == "end behind its answer" else wanted
+    assert all(one in either for one, *either in zip(found, wanted, answers, strict=True)), found
     assert evaluated(runner, f"job after {behaviour}", "good") == expected(SLOPES)
     pid = runner._fork_server.pid
     assert pid is not None
