@@ -62,7 +62,7 @@ class LockTimes:
         self.seconds: list[float] = []
         self._local = threading.local()
         self._lock_job = runtime.lock_job
-        runtime.lock_job = self._lock  # type: ignore[assignment]
+        runtime.lock_job = self._lock  # type: ignore[assignment]  # it stands around the function
         event.listen(store.engine, "commit", self._commit)
 
     def _lock(self, *given: Any, **more: Any) -> Any:

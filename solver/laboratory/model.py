@@ -23,7 +23,7 @@ from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault
 from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.laws.initial_voids import settled, void_ratio_parameters, voids_column
+from geoswarm.solver.laws.initial_voids import knows_voids, settled, void_ratio_parameters, voids_column
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 
@@ -84,7 +84,7 @@ class LaboratoryModel(ABC):
     @property
     def knows_voids(self) -> bool:
         """Whether the void ratio is known: from the section, or from the law."""
-        return self.spec.initial_void_ratio is not None or voids_column(self.law) is not None
+        return knows_voids(self.law, self.spec.initial_void_ratio)
 
     def void_ratio(self, parameters: Mapping[str, float]) -> float | None:
         """Void ratio before the first stage, where it is known; raises as :meth:`placed`."""

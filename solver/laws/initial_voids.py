@@ -7,7 +7,7 @@ from dataclasses import replace
 from geoswarm.solver.laws.base import Law
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["settled", "void_ratio_parameters", "voids_column"]
+__all__ = ["knows_voids", "settled", "void_ratio_parameters", "voids_column"]
 
 _KEY = "initial_void_ratio"
 
@@ -17,6 +17,11 @@ def voids_column(law: Law) -> int | None:
     if "e0" not in {info.name for info in law.parameters}:
         return None
     return next((column for column, one in enumerate(law.state) if one.symbol == "e"), None)
+
+
+def knows_voids(law: Law, given: float | None) -> bool:
+    """Whether the void ratio before a test is known: from its section, None for not, or from the law."""
+    return given is not None or voids_column(law) is not None
 
 
 def void_ratio_parameters(law: Law, given: float | None) -> tuple[ParameterInfo, ...]:

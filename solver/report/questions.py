@@ -308,7 +308,7 @@ def _said(known: Known, sample: ParameterSample | None) -> list[str]:
         said.append(f"the search had not reached the minimum: it is {found.far:.1f} standard errors away")
     said += [f"{name} lies on its {side} bound: its distribution is cut there" for name, side in found.held]
     hidden = known.statistics.basins.hidden
-    if hidden is not None and is_sparse(hidden):
+    if is_sparse(hidden):
         said.append(
             f"another basin could still hide in {share(hidden)} of the searched space, which takes no part; "
             "'geoswarm explore' looks there"

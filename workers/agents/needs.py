@@ -22,8 +22,7 @@ def needs_of(spec: ForwardModelSpec) -> str:
     for part in spec.by_part().values():
         if isinstance(part, RegisteredSpec):
             needs.add(registered_need(part.model, part.version or ""))
-            continue
-        if part.kind in BUILT_IN and not part.runs_programs:
+        elif part.kind in BUILT_IN and not part.runs_programs:
             needs.add(part.kind)
         else:
             needs.add(f"foreign:{part.kind}")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any
 
 from sqlalchemy import (
@@ -13,7 +12,6 @@ from sqlalchemy import (
     Connection,
     Integer,
     Select,
-    Update,
     and_,
     bindparam,
     delete,
@@ -22,7 +20,6 @@ from sqlalchemy import (
     or_,
     select,
     text,
-    update,
 )
 
 from geoswarm.records.states import DONE_STATES
@@ -30,7 +27,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.states.evaluation import EvaluationStatus
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_array
-from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.database import Record, change
 from geoswarm.workers.store.tables import attempts, evaluations
 
 __all__ = ["Cell", "GenerationRows", "load_generation", "reuse", "write_new"]
@@ -288,7 +285,7 @@ class GenerationRows:
         for names, cells in alike.items():
             here = {"of_job_id": self.job_id, "of_generation": self.generation}
             connection.execute(
-                _change(names),
+                change(evaluations, KEY, names),
                 [
                     here | {"of_particle": cell.particle} | {f"to_{name}": cell.changes[name] for name in names}
                     for cell in cells
@@ -301,13 +298,6 @@ class GenerationRows:
         key = {"job_id": self.job_id, "generation": self.generation, "state": "pending", "attempts": 0}
         empty = dict.fromkeys(COLUMNS) | key
         return [empty | {"particle": c.particle, "parameters": c.parameters} | c.changes for c in self.cells.values()]
-
-
-@cache
-def _change(names: tuple[str, ...]) -> Update:
-    """Return the statement that writes these columns of one evaluation."""
-    here = (evaluations.c[name] == bindparam(f"of_{name}") for name in KEY)
-    return update(evaluations).where(*here).values({name: bindparam(f"to_{name}") for name in names})
 
 
 def write_new(connection: Connection, generations: Sequence[GenerationRows]) -> None:

@@ -66,11 +66,14 @@ class Sweeper:
         ------
         StoreUnavailableError
         """
-        settings, store = self.runtime.settings, self.runtime.store
-        if store.engine.dialect.name == "sqlite":
+        if self.runtime.store.engine.dialect.name == "sqlite":
             self.sweep()
-            tally.flush(store)
-            return
+        else:
+            self._sweep_in_turn()
+        tally.flush(self.runtime.store)
+
+    def _sweep_in_turn(self) -> None:
+        settings, store = self.runtime.settings, self.runtime.store
         since = 0.9 * settings.sweep_seconds
         labels = EVERYWHERE, this_machine()
         due = store.read(lambda c: due_sweeps(c, labels, since))
@@ -80,7 +83,6 @@ class Sweeper:
             self.sweep()
         elif mine:
             self._free_lost(this_machine())
-        tally.flush(store)
 
     def sweep(self) -> None:
         """Give up silent workers, free their evaluations, keep the clocks of jobs, ring for work nobody knows of.

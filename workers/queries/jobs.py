@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 from sqlalchemy import (
     ColumnElement,
     Connection,
     Select,
-    Update,
     and_,
     bindparam,
     case,
@@ -44,7 +42,7 @@ from geoswarm.workers.states.job import (
 )
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_json, text_of_program, unpack_json
-from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.database import Record, change
 from geoswarm.workers.store.event_bell import insert_events
 from geoswarm.workers.store.outbox import insert_deliveries
 from geoswarm.workers.store.tables import evaluations, events, generations, jobs, turns
@@ -227,18 +225,11 @@ def save_job(
     # Compare and set: the lock makes it certain, the condition proves it.
     given = {f"to_{name}": value for name, value in values.items()}
     given |= {"of_id": locked.id, "of_generation": before.generation, "of_state": before.state}
-    changed = connection.execute(_change(tuple(values)), given)
+    changed = connection.execute(change(jobs, ("id", "generation", "state"), tuple(values)), given)
     if changed.rowcount != 1:
         raise RuntimeError(f"job {locked.id} changed while its row was locked")
     if ended:
         insert_deliveries(connection, locked.id, before.owner, after.state, locked.now)
-
-
-@cache
-def _change(names: tuple[str, ...]) -> Update:
-    """Return the statement that writes these columns of a job which still stands where it did."""
-    here = (jobs.c[name] == bindparam(f"of_{name}") for name in ("id", "generation", "state"))
-    return update(jobs).where(*here).values({name: bindparam(f"to_{name}") for name in names})
 
 
 def publish_state(

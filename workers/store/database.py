@@ -6,10 +6,11 @@ import logging
 import sqlite3
 import time
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from sqlalchemy import Connection, Engine, create_engine, event, func, select
+from sqlalchemy import Connection, Engine, Table, Update, bindparam, create_engine, event, func, select, update
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
@@ -19,7 +20,7 @@ from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.file import DatabaseFile, FileIdentity, database_path
 from geoswarm.workers.store.migrate import upgrade
 
-__all__ = ["Record", "Store"]
+__all__ = ["Record", "Store", "change"]
 
 log = logging.getLogger(__name__)
 
@@ -32,6 +33,13 @@ RETRIES = 3  # deadlock or serialisation failure: the same function simply runs 
 JOURNAL_BYTES = 16 * 2**20
 SIZE_SECONDS = 5.0  # PostgreSQL looks at every file of the database to tell its size
 RETRY_STATES = ("40001", "40P01")
+
+
+@cache
+def change(table: Table, key: tuple[str, ...], names: tuple[str, ...]) -> Update:
+    """Return the statement that sets columns to ``to_NAME`` where those of the key are ``of_NAME``; built once."""
+    here = (table.c[name] == bindparam(f"of_{name}") for name in key)
+    return update(table).where(*here).values({name: bindparam(f"to_{name}") for name in names})
 
 
 class Store:

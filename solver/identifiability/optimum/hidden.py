@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -153,7 +154,7 @@ def places(space: SearchSpace, count: int, seed: int = 0) -> FloatArray:
     return np.array(found[:count]).reshape(-1, space.dimension)
 
 
-def is_sparse(hidden: float | None) -> bool:
+def is_sparse(hidden: float | None) -> TypeGuard[float]:
     """Whether another basin could hide in so much of the space that "identified" is said of one basin only."""
     return hidden is not None and hidden > _SPARSE
 

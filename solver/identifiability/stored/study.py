@@ -300,7 +300,7 @@ def analyse(
         warnings[:0] = [EXCHANGE.format(first=first, second=second) for first, second in basins.exchanges]
         warnings += [_left(samples, other, lowest) for other in basins.unfinished]
         warnings += [ON_BOUND.format(name=name, side=side) for name, side in linearisation.held]
-        if basins.hidden is not None and is_sparse(basins.hidden):
+        if is_sparse(basins.hidden):
             warnings.append(SPARSE_RUNS.format(hidden=share(basins.hidden)))
     if points < samples.dimension:
         warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))

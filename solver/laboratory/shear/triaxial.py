@@ -16,7 +16,7 @@ from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
 from geoswarm.solver.laboratory.shear_modulus import over_strain, shear_modulus_diagram
 from geoswarm.solver.laboratory.shear_sketch import is_timed
-from geoswarm.solver.laws.initial_voids import voids_column
+from geoswarm.solver.laws.initial_voids import knows_voids
 from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, Specimen
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
 
@@ -184,8 +184,7 @@ class TriaxialSpec(LaboratorySpec):
         undrained = any(self.is_undrained(stage) for stage in self.shearing)
         if self.water_bulk_modulus is not None and not undrained:
             raise ValueError("water_bulk_modulus is given, but no stage of shearing is undrained; leave it out")
-        knows_voids = self.initial_void_ratio is not None or voids_column(self.law) is not None
-        if self.water_bulk_modulus is not None and not knows_voids:
+        if self.water_bulk_modulus is not None and not knows_voids(self.law, self.initial_void_ratio):
             raise ValueError(
                 "initial_void_ratio is missing: with water_bulk_modulus the porosity gives the stiffness of the water; "
                 "a value above 0 is accepted, or leave water_bulk_modulus out for rigid water"
