@@ -74,7 +74,7 @@ test: setup servers engines check  ## all checks and the tests, without the long
 	@$(TESTS) --jobs $(JOBS) -m "not slow"
 
 test-fast: setup check  ## all checks and the quick tests that start no server, browser or process
-	@$(TESTS) --jobs $(JOBS) -m "fast and not slow"
+	@$(TESTS) --jobs $(JOBS) --no-timing -m "fast and not slow"
 
 test-all: setup servers-all engines-all check  ## all checks and all tests, with the long studies
 	@$(TESTS) --jobs $(JOBS) -m "slow or not slow"

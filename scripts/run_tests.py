@@ -54,6 +54,7 @@ def main() -> int:
     parser.add_argument("--jobs", default="3", help="test processes of the first look")
     parser.add_argument("--folder", type=Path, default=Path("tests"), help="where the tests are")
     parser.add_argument("-m", dest="marks", default="not slow", help="which tests, as in pytest")
+    parser.add_argument("--no-timing", dest="timing", action="store_false", help="leave out the tests marked timing")
     options, further = parser.parse_known_args()
     marks = f"({options.marks})"
     code, failed = look(
@@ -70,7 +71,7 @@ def main() -> int:
         ]
     )
     goes_on = (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
-    if code in goes_on and (files := timing_files(options.folder)):
+    if options.timing and code in goes_on and (files := timing_files(options.folder)):
         print("the tests marked timing, one by one", flush=True)
         timing, more = look([*further, "-m", f"{marks} and timing", "-n", "0", *files])
         if timing != pytest.ExitCode.NO_TESTS_COLLECTED:

@@ -313,12 +313,10 @@ class PostgresServer(Server):
         """SQLAlchemy address of one database."""
         return f"postgresql+psycopg://{self.user}:{self._password}@127.0.0.1:{self.port}/{name}"
 
-    def create_database(self, *, template: str = "template1") -> str:
-        """Create a database as a copy of another one, to which nobody may be connected, and return its address."""
+    def create_database(self) -> str:
+        """Create an empty database and return its address."""
         name = f"test_{next(self._counter)}"
-        self._execute(
-            sql.SQL("CREATE DATABASE {} TEMPLATE {}").format(sql.Identifier(name), sql.Identifier(template)),
-        )
+        self._execute(sql.SQL("CREATE DATABASE {}").format(sql.Identifier(name)))
         return self.database_url(name)
 
     def drop_database(self, url: str) -> None:
@@ -326,12 +324,23 @@ class PostgresServer(Server):
         name = url.rsplit("/", 1)[-1]
         self._execute(sql.SQL("DROP DATABASE IF EXISTS {} WITH (FORCE)").format(sql.Identifier(name)))
 
+    def empty(self, url: str, tables: Sequence[str]) -> None:
+        """Cut the connections that are left and delete all rows: a hundredth of the time of another database."""
+        name = url.rsplit("/", 1)[-1]
+        with psycopg.connect(self._dsn(name), autocommit=True) as connection:
+            cut = (
+                "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s AND pid <> pg_backend_pid()"
+            )
+            connection.execute(cut + " AND pid <> pg_backend_pid()", (name,))
+            for table in tables[::-1]:
+                connection.execute(sql.SQL("DELETE FROM {}").format(sql.Identifier(table)))
+
     def _execute(self, statement: sql.Composed) -> None:
         with psycopg.connect(self._dsn(), autocommit=True) as connection:
             connection.execute(statement)
 
-    def _dsn(self) -> str:
-        return self.url.replace("+psycopg", "", 1)
+    def _dsn(self, name: str = "postgres") -> str:
+        return self.database_url(name).replace("+psycopg", "", 1)
 
     def _prepare(self) -> None:
         data = self.folder / "data"

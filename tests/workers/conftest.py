@@ -14,6 +14,7 @@ from geoswarm.workers.identity import Identity
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.store.tables import metadata
 from tests.servers import PostgresServer
 
 MakeWorker: TypeAlias = Callable[..., Worker]
@@ -47,12 +48,12 @@ def empty_database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 
 
 @pytest.fixture(scope="session")
-def postgres_template(postgres_server: PostgresServer) -> str:
-    """Name of a database with all tables, to which nobody is connected any more."""
+def postgres_tables(postgres_server: PostgresServer) -> str:
+    """Address of a database with all tables, which the tests of a process use in turn."""
     postgres_server.start()
     url = postgres_server.create_database()
     Store(Settings(database_url=url)).close()
-    return url.rsplit("/", 1)[-1]
+    return url
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
@@ -63,12 +64,11 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str
         yield f"sqlite:///{tmp_path / 'jobs.db'}"
         return
     server: PostgresServer = request.getfixturevalue("postgres_server")
-    template: str = request.getfixturevalue("postgres_template")
+    url: str = request.getfixturevalue("postgres_tables")
     server.start()
-    url = server.create_database(template=template)
     yield url
     server.start()
-    server.drop_database(url)
+    server.empty(url, [table.name for table in metadata.sorted_tables])
 
 
 @pytest.fixture
