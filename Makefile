@@ -49,7 +49,7 @@ engines-all: $(INSTALLED)
 	@scripts/install_engines.sh --all
 	$(BIN)/python -m tests.examples.engines
 
-demo: setup  ## calibrate the published oedometer test in the embedded service (needs no server)
+demo: $(INSTALLED)  ## calibrate the published oedometer test in the embedded service (needs no server)
 	@$(BIN)/geoswarm demo
 
 check: $(INSTALLED)  ## format, lint, generated client, types, import rules, spelling
