@@ -8,6 +8,7 @@ fork) is killed as a whole. When its worker dies, in whatever way, its socket en
 from __future__ import annotations
 
 import contextlib
+import gc
 import logging
 import os
 import select
@@ -29,7 +30,7 @@ log = logging.getLogger(__name__)
 
 # What runs a fork server; it takes over the worker's import path, as the program may run from its sources.
 BOOTSTRAP = (
-    "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
+    "import gc, json, sys; gc.disable(); given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
     "from geoswarm.solver.runner.fork_server import main; main(given)"
 )
 FORK = b"f"
@@ -61,6 +62,7 @@ def main(given: Mapping[str, Any]) -> None:
     logging.basicConfig(level=logging.WARNING)
     for message, name in given["loaded"]:
         _load(message.encode(), name)
+    gc.enable()  # off while importing, as it would find nothing
     control = socket.socket(fileno=given["control"])
     ended: dict[int, int] = {}
     current, output = 0, -1
@@ -82,6 +84,7 @@ def main(given: Mapping[str, Any]) -> None:
         if message == FORK:
             connection, new_output, shared = descriptors
             try:
+                gc.freeze()  # what is here stays, also in what is forked: shared, and not searched for garbage
                 current = os.fork()
                 if current == 0:
                     control.close()
