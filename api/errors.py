@@ -26,8 +26,7 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match, Mount
 
 from geoswarm.api.headers import add_security_headers
-from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError
-from geoswarm.solver.identifiability import StatisticsError
+from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError, StatisticsError
 from geoswarm.workers.errors import (
     BrokerUnavailableError,
     EvaluationNotFoundError,

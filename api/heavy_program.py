@@ -14,6 +14,7 @@ import uvicorn
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from geoswarm.api.app import create_app
 from geoswarm.api.heavy.process import PRINCIPAL_HEADER, ROUTE_HEADER
 from geoswarm.solver.system.processes import go_first_without_memory
 from geoswarm.workers.access.principal import Principal
@@ -54,8 +55,6 @@ def main(given: Mapping[str, Any]) -> None:
         ``settings`` of the engine, ``doorbell`` (ends of the pipe, empty with a broker), ``listener`` (descriptor) and
         ``log_level``.
     """
-    from geoswarm.api.app import create_app
-
     threading.Thread(target=_follow_parent, daemon=True).start()
     start_logging(given["log_level"])
     go_first_without_memory()

@@ -9,16 +9,18 @@ from __future__ import annotations
 import gzip
 import json
 import struct
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.solver.units import convert
+
+if TYPE_CHECKING:
+    from geoswarm.solver.identifiability import Samples
 
 __all__ = ["MEDIA_TYPE", "compressed", "points_block"]
 

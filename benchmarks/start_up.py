@@ -32,11 +32,9 @@ HELP_LIMIT, COMMAND_LIMIT, WORKER_LIMIT = 0.4, 1.0, 1.5
 WORKER = """
 import json, sys
 import geoswarm.workers.hosts.embedded_worker
-from geoswarm.solver.warm import import_models
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.course import Course
 from geoswarm.solver.problem import parse_problem
-import_models()
 calibration = Calibration(parse_problem(json.loads(sys.stdin.read())), 2008)
 evaluation = calibration.evaluate(Course(calibration).start().positions[0])
 assert evaluation.reason is None, evaluation.message

@@ -10,6 +10,7 @@
     ├── BrokenForwardModelError      a forward model is installed, but cannot be loaded
     ├── SignedListError         a list of registered models is not what was signed, or cannot be made
     ├── MeshError               a mesh cannot be read or is not sound
+    ├── StatisticsError         the stored evaluations do not suffice for what was asked
     ├── InfeasibleSpaceError    no proposal satisfies the constraints after a bounded search
     └── ForwardError            one forward calculation failed; becomes a failed evaluation
         ├── DivergedError       the calculation found no solution
@@ -41,6 +42,7 @@ __all__ = [
     "ProblemError",
     "SignedListError",
     "SolverError",
+    "StatisticsError",
     "WorkerLostError",
     "in_words",
     "message_of",
@@ -149,6 +151,10 @@ class MeshError(SolverError):
 
 class InfeasibleSpaceError(SolverError):
     """No parameter vector inside the bounds was found that satisfies the constraints."""
+
+
+class StatisticsError(SolverError):
+    """The stored evaluations do not suffice for the request; the message says what is missing."""
 
 
 class WorkerLostError(SolverError):

@@ -21,9 +21,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from geoswarm.solver.errors import BrokenForwardModelError
 from geoswarm.solver.forward.base import ForwardModelSpec
-from geoswarm.solver.forward.registry import find_spec, kinds
 from geoswarm.solver.kernels.cache import SOLVER, alone, fingerprint, settle
 from geoswarm.solver.laws.registry import BUILT_IN, USER_LAWS, find_law, installed_laws, user_update
 from geoswarm.solver.problem import Problem, parse_problem
@@ -35,8 +33,6 @@ __all__ = [
     "compile_for",
     "compile_kernels",
     "groups_of",
-    "import_models",
-    "load_kernels",
     "missing_groups",
     "missing_kernels",
     "note_compiled",
@@ -63,15 +59,6 @@ MATERIAL: dict[str, Any] = {
 OTHER_LAWS = "other_laws"
 _VALUES = {"element_test": 1.0e4, "consolidation": 1.0e4}
 STAGES: list[dict[str, float]] = [{"stress": 50.0, "duration": 1.0}, {"stress": 20.0, "duration": 1.0}]
-
-
-def import_models() -> None:
-    """Import every forward model, ahead of the first evaluation."""
-    for kind in kinds():
-        try:
-            find_spec(kind)
-        except BrokenForwardModelError as error:  # it concerns only jobs that name it, which will say so
-            logger.warning("%s", error)
 
 
 def _sample(forward_model: dict[str, Any], series: str) -> dict[str, Any]:
@@ -279,16 +266,6 @@ def note_compiled(group: str) -> None:
     folder = settle()
     if folder is not None:
         _mark(folder, group).touch()
-
-
-def load_kernels() -> None:
-    """Load all groups of kernels that are in the cache folder; as plain Python there is nothing to load."""
-    if _plain_python():
-        return
-    folder = settle()
-    for group in GROUPS:
-        if _is_compiled(folder, group):
-            run_sample(group)
 
 
 def warm(report: Callable[[str, float], None] | None = None) -> None:

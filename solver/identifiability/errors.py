@@ -10,13 +10,9 @@
 
 from __future__ import annotations
 
-from geoswarm.solver.errors import SolverError
+from geoswarm.solver.errors import StatisticsError
 
 __all__ = ["NotExaminedError", "StatisticsError", "TooFewPointsError"]
-
-
-class StatisticsError(SolverError):
-    """The stored evaluations do not suffice for the request; the message says what is missing."""
 
 
 class TooFewPointsError(StatisticsError):

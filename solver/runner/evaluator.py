@@ -75,6 +75,9 @@ class Evaluator(Protocol):
         Ends early when ``unwanted`` becomes true. Does not raise for what goes wrong: an evaluation will tell.
         """
 
+    def import_models(self, kinds: Collection[str], unwanted: Callable[[], bool]) -> None:
+        """Import forward models that are not there yet, as :meth:`load` loads kernels."""
+
     def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: RunLimits) -> None:
         """Build the problem of a job where no harm is done, before this process builds it.
 
@@ -133,6 +136,9 @@ class InlineEvaluator:
         """Load a group of kernels into this process."""
         run_sample(group)
         self.loaded.add(group)
+
+    def import_models(self, kinds: Collection[str], unwanted: Callable[[], bool]) -> None:
+        """Do nothing: whoever has read a problem has imported them."""
 
     def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: RunLimits) -> None:
         """Do nothing."""

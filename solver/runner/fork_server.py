@@ -8,6 +8,7 @@ fork) is killed as a whole. When its worker dies, in whatever way, its socket en
 from __future__ import annotations
 
 import contextlib
+import gc
 import logging
 import os
 import select
@@ -18,21 +19,25 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
+from geoswarm.solver.errors import SolverError
+from geoswarm.solver.forward.registry import find_spec
 from geoswarm.solver.runner.output import shorten
+from geoswarm.solver.warm import run_sample
 
-__all__ = ["BOOTSTRAP", "FORK", "KILL", "LOAD", "STATUS", "main"]
+__all__ = ["BOOTSTRAP", "FORK", "KERNELS", "KILL", "MODEL", "STATUS", "main"]
 
 log = logging.getLogger(__name__)
 
 # What runs a fork server; it takes over the worker's import path, as the program may run from its sources.
 BOOTSTRAP = (
-    "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
+    "import gc, json, sys; gc.disable(); given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
     "from geoswarm.solver.runner.fork_server import main; main(given)"
 )
 FORK = b"f"
 KILL = b"k"
-LOAD = b"l"
-"""Asks for a group of kernels; its place in :data:`geoswarm.solver.warm.GROUPS` follows in one byte."""
+KERNELS = b"l"
+MODEL = b"m"
+"""Ask to load a group of kernels, or a kind of forward model; its name follows behind its length in one byte."""
 STATUS = struct.Struct("=ii")
 """Its answer, a number and whether it is known.
 
@@ -46,18 +51,18 @@ OUTPUT_SECONDS = 0.1
 
 def main(given: Mapping[str, Any]) -> None:
     """Serve one worker over the socket whose descriptor is ``given``, until it closes."""
-    # What needs long to load is loaded here, once for all evaluation processes to come.
+    # What all evaluation processes need is loaded here, and what those of a job need when the job is known.
     from geoswarm.solver.runner import child
     from geoswarm.solver.system.processes import adopt_orphans, kill_descendants, reap, wake_with_parent
-    from geoswarm.solver.warm import GROUPS, import_models, load_kernels, run_sample
 
     adopt_orphans()
     wake_with_parent()
     for number in (signal.SIGINT, signal.SIGTERM):  # its worker decides about its end
         signal.signal(number, signal.SIG_IGN)
     logging.basicConfig(level=logging.WARNING)
-    import_models()
-    load_kernels()
+    for message, name in given["loaded"]:
+        _load(message.encode(), name)
+    gc.enable()  # off while importing, as it would find nothing
     control = socket.socket(fileno=given["control"])
     ended: dict[int, int] = {}
     current, output = 0, -1
@@ -79,6 +84,7 @@ def main(given: Mapping[str, Any]) -> None:
         if message == FORK:
             connection, new_output, shared = descriptors
             try:
+                gc.freeze()  # what is here stays, also in what is forked: shared, and not searched for garbage
                 current = os.fork()
                 if current == 0:
                     control.close()
@@ -93,8 +99,8 @@ def main(given: Mapping[str, Any]) -> None:
                     os.close(descriptor)
             output = new_output
             ended = {}
-        elif message == LOAD:
-            run_sample(GROUPS[control.recv(1)[0]])
+        elif message in (KERNELS, MODEL):
+            _load(message, control.recv(control.recv(1)[0]).decode())
             answer = STATUS.pack(0, 0)
         else:
             ended |= kill_descendants(os.getpid())
@@ -108,6 +114,17 @@ def main(given: Mapping[str, Any]) -> None:
             socket.send_fds(control, [answer], passed)
         for descriptor in passed:
             os.close(descriptor)
+
+
+def _load(message: bytes, name: str) -> None:
+    """Load kernels or a forward model, which all processes forked after that have."""
+    if message == KERNELS:
+        run_sample(name)
+        return
+    try:
+        find_spec(name)
+    except SolverError as error:  # the jobs that name it will say so
+        log.warning("%s", error)
 
 
 def _process_descriptor(pid: int) -> list[int]:

@@ -12,17 +12,16 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from geoswarm.solver.runner.evaluator import NoProcessError
-from geoswarm.solver.runner.fork_server import BOOTSTRAP, FORK, KILL, LOAD, STATUS
+from geoswarm.solver.runner.fork_server import BOOTSTRAP, FORK, KERNELS, KILL, MODEL, STATUS
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.process import EvaluationProcess
 from geoswarm.solver.runner.shared_state import SharedState
 from geoswarm.solver.runner.wire import readable
 from geoswarm.solver.system.environment import clean_environment, numerics
 from geoswarm.solver.system.processes import kill_session, memory_below
-from geoswarm.solver.warm import GROUPS
 
 __all__ = ["ForkServerLink"]
 
@@ -30,7 +29,7 @@ log = logging.getLogger(__name__)
 
 POLL_SECONDS = 0.05
 PAUSES = (0.0, 0.2, 1.0)  # s, before another fork server is started in place of one that was killed
-READY_SECONDS = 120.0  # it loads every kernel that is compiled
+READY_SECONDS = 120.0  # to import what evaluations need, and to load again what the one before it had
 ANSWER_SECONDS = 15.0  # to fork or to kill, when it is ready
 WAKE_SECONDS = 1.0
 COMPILE_SECONDS = 1800.0
@@ -54,7 +53,9 @@ class ForkServerLink:
         self._control: socket.socket | None = None
         self._ready = False
         self.loaded: set[str] = set()
-        """Groups of kernels that it has loaded."""
+        """Groups of kernels that need not be asked for any more."""
+        self._asked: set[str] = set()  # kinds of forward models
+        self._again: list[tuple[str, str]] = []  # what one that takes the place of this one loads, too
 
     @property
     def pid(self) -> int | None:
@@ -70,7 +71,7 @@ class ForkServerLink:
             When the system has no process or descriptor to spare.
         """
         ours, theirs = socket.socketpair()
-        given = json.dumps({"path": sys.path, "control": theirs.fileno()})
+        given = json.dumps({"path": sys.path, "control": theirs.fileno(), "loaded": self._again})
         try:
             with theirs:
                 self._process = subprocess.Popen(
@@ -85,25 +86,42 @@ class ForkServerLink:
             raise
         self._control = ours
         self._ready = False
-        self.loaded.clear()
 
     def load(self, group: str, unwanted: Callable[[], bool]) -> None:
         """Have it load a group of kernels: all evaluation processes that it forks have it then."""
+        if self._load(KERNELS, group, unwanted):
+            self.loaded.add(group)
+
+    def import_models(self, kinds: Collection[str], unwanted: Callable[[], bool]) -> None:
+        """Have it import forward models that it lacks: all evaluation processes that it forks have them then."""
+        for kind in self.lacking(kinds):
+            if self._load(MODEL, kind, unwanted):
+                self._asked.add(kind)
+
+    def lacking(self, kinds: Collection[str]) -> list[str]:
+        """Return those of some kinds of forward models that it was not asked for yet."""
+        return sorted(set(kinds) - self._asked)
+
+    def _load(self, message: bytes, name: str, unwanted: Callable[[], bool]) -> bool:
+        """Have it load something; False: that became unwanted. It is not asked again for what has failed."""
         try:
             control, process = self._started()
-            control.sendall(LOAD + bytes([GROUPS.index(group)]))
+            text = name.encode()
+            control.sendall(message + bytes([len(text)]) + text)
             deadline = time.monotonic() + COMPILE_SECONDS
             while not readable(control, POLL_SECONDS):
                 if unwanted():
                     process.kill()  # its answer must not be taken for another one
-                    return
+                    return False
                 if time.monotonic() > deadline:
-                    raise TimeoutError(f"kernels were not compiled within {COMPILE_SECONDS:g} s")
+                    raise TimeoutError(f"this took longer than {COMPILE_SECONDS:g} s")
             self._answer()
-        except OSError as error:
-            log.warning("the kernels of %r could not be loaded: %s", group, error)
+            self._again.append((message.decode(), name))
+        except OSError as error:  # an evaluation compiles or imports, or tells what is wrong
+            what = "the kernels of" if message == KERNELS else "forward model"
+            log.warning("%s %r could not be loaded: %s", what, name, error)
             self._lose()
-        self.loaded.add(group)  # not again and again: an evaluation compiles, or tells what is wrong
+        return True
 
     def fork(self) -> EvaluationProcess:
         """Return a new evaluation process.

@@ -1,4 +1,4 @@
-"""Has the kernels of a job compiled before the job begins, so that no evaluation, limit or clock counts that time."""
+"""Has what a job needs imported and compiled before it begins, so that no evaluation, limit or clock counts that."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def make_ready(
     unwanted: Callable[[], bool] = lambda: False,
     tell: Callable[[float | None], None] = lambda _seconds: None,
 ) -> bool:
-    """Load the kernels that a problem needs; of several workers of a machine one compiles, the others wait for it.
+    """Load the forward models and kernels that a problem needs.
+
+    Of several workers of a machine one compiles kernels, the others wait for it.
 
     Parameters
     ----------
@@ -32,10 +34,10 @@ def make_ready(
     tell
         Is told None when this worker begins to compile, and the time that it took [s].
     """
+    kinds = {part.kind for part in (problem.forward_model, *problem.forward_model.by_part().values())}
+    evaluator.import_models(kinds, unwanted)
     groups = [group for group in groups_of(problem.forward_model) if group not in evaluator.loaded]
-    if not groups:
-        return True
-    if missing_kernels(problem.forward_model):
+    if groups and missing_kernels(problem.forward_model):
         with alone(settle(), unwanted) as turn:
             missing = [group for group in missing_kernels(problem.forward_model) if group in groups]
             if turn and missing:

@@ -77,6 +77,12 @@ class Runner:
         self._kill()  # what was forked before lacks them
         self._fork_server.load(group, unwanted)
 
+    def import_models(self, kinds: Collection[str], unwanted: Callable[[], bool]) -> None:
+        """Have the fork server import forward models: all evaluation processes that it forks have them then."""
+        if self._fork_server.lacking(kinds):
+            self._kill()
+            self._fork_server.import_models(kinds, unwanted)
+
     def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: RunLimits) -> None:
         """Have the problem of a job built in the evaluation process, which may die of it."""
         why = ""

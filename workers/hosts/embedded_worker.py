@@ -10,7 +10,6 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
-from geoswarm.solver.warm import import_models
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.execution.slots import Slots
 from geoswarm.workers.execution.worker import Worker
@@ -47,8 +46,6 @@ def main(given: Mapping[str, Any]) -> None:
     threading.Thread(target=_follow_parent, args=(worker, settings.grace_seconds), daemon=True).start()
     sweeper = Sweeper(worker.runtime, doorbell)
     sweeper.start()
-    if not settings.isolate:
-        import_models()
     _work(worker, doorbell, settings)
     sweeper.stop()
     worker.close()

@@ -16,7 +16,6 @@ from celery.signals import worker_init, worker_process_init, worker_process_shut
 from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.system.processes import kill_descendants
-from geoswarm.solver.warm import import_models
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.execution.slots import Slots
 from geoswarm.workers.execution.worker import Worker
@@ -79,11 +78,8 @@ _slots = anonymous_file()
 
 
 @worker_init.connect  # type: ignore[untyped-decorator]  # Celery has no types
-def _import_models(**_: Any) -> None:
-    settings: Settings = current_app.geoswarm_settings
+def _settle(**_: Any) -> None:
     settle()  # once for all pool processes
-    if not settings.isolate:
-        import_models()  # before the fork: every pool process, restarted ones too, begins with them
 
 
 @worker_shutting_down.connect  # type: ignore[untyped-decorator]  # Celery has no types

@@ -7,7 +7,6 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-import psycopg
 from sqlalchemy import Connection, func, insert
 from sqlalchemy.exc import SQLAlchemyError
 
@@ -60,7 +59,7 @@ class EventBell:
         while not self._ended.is_set():
             try:
                 self._answer()
-            except (SQLAlchemyError, psycopg.Error) as error:
+            except (SQLAlchemyError, self._store.engine.dialect.loaded_dbapi.Error) as error:
                 self.live = False
                 log.info("polling for events, because the database does not announce them: %s", error)
                 self._ended.wait(AGAIN_SECONDS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, ConfigDict, Field
@@ -15,10 +15,12 @@ from geoswarm.api.schemas.statistics import FigureList
 from geoswarm.api.views import WantedView
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.solver.problem.weighting import Weighting
-from geoswarm.solver.report.document.build import Report
 from geoswarm.solver.report.figures.style import figures_available, png_of, svg_of
 from geoswarm.solver.system.extras import needs_extra
 from geoswarm.workers.service.job_service import JobService
+
+if TYPE_CHECKING:
+    from geoswarm.solver.report.document.build import Report
 
 __all__ = ["ReweightRequest", "router"]
 

@@ -1,4 +1,7 @@
-"""How sure the parameters of a job are: follow-up jobs that evaluate more, and what they have found."""
+"""How sure the parameters of a job are: follow-up jobs that evaluate more, and what they have found.
+
+The statistics are slow to import, so each route imports what it calls.
+"""
 
 from __future__ import annotations
 
@@ -21,15 +24,6 @@ from geoswarm.records.job import Job
 from geoswarm.records.progress import FollowUpCosts
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 from geoswarm.solver.problem import read_document
-from geoswarm.workers.service.findings import (
-    submit_design,
-    submit_explore,
-    submit_global_sensitivity,
-    submit_prediction,
-    submit_profile,
-    submit_sensitivity,
-)
-from geoswarm.workers.service.follow_up_costs import follow_up_costs
 
 __all__ = ["router"]
 
@@ -54,6 +48,8 @@ def sensitivity(
     idempotency_key: Key = None,
 ) -> Job:
     """Submit a follow-up that evaluates the sensitivities at the optimum: standard errors, intervals, combinations."""
+    from geoswarm.workers.service.findings import submit_sensitivity
+
     options = (wanted or SensitivityRequest()).model_dump()
     return _created(request, response, submit_sensitivity(service, job_id, **options, idempotency_key=idempotency_key))
 
@@ -68,6 +64,8 @@ def profile(
     idempotency_key: Key = None,
 ) -> Job:
     """Submit a follow-up that evaluates profile objectives; needs the sensitivities at the optimum first (409)."""
+    from geoswarm.workers.service.findings import submit_profile
+
     options = (wanted or ProfileRequest()).model_dump()
     return _created(request, response, submit_profile(service, job_id, **options, idempotency_key=idempotency_key))
 
@@ -82,6 +80,8 @@ def explore(
     idempotency_key: Key = None,
 ) -> Job:
     """Submit a follow-up that spends runs where, by the stored evaluations, a second basin is most likely."""
+    from geoswarm.workers.service.findings import submit_explore
+
     options = (wanted or ExploreRequest()).model_dump()
     return _created(request, response, submit_explore(service, job_id, **options, idempotency_key=idempotency_key))
 
@@ -96,6 +96,8 @@ def predict(
     idempotency_key: Key = None,
 ) -> Job:
     """Submit a follow-up that predicts another forward model with the identified parameters and their uncertainty."""
+    from geoswarm.workers.service.findings import submit_prediction
+
     options = wanted.model_dump()
     problem = _read(options.pop("problem"))
     submitted = submit_prediction(service, job_id, problem, **options, idempotency_key=idempotency_key)
@@ -112,6 +114,8 @@ def design(
     idempotency_key: Key = None,
 ) -> Job:
     """Submit a follow-up that ranks candidate tests by how much they would narrow the intervals or a prediction."""
+    from geoswarm.workers.service.findings import submit_design
+
     options = wanted.model_dump()
     candidates = _read(options.pop("candidates"))
     predicted = options.pop("predict")
@@ -130,6 +134,8 @@ def global_sensitivity(
     idempotency_key: Key = None,
 ) -> Job:
     """Submit a follow-up that evaluates the design of Sobol or Morris over the whole search range."""
+    from geoswarm.workers.service.findings import submit_global_sensitivity
+
     options = (wanted or GlobalRequest()).model_dump()
     submitted = submit_global_sensitivity(service, job_id, **options, idempotency_key=idempotency_key)
     return _created(request, response, submitted)
@@ -138,6 +144,8 @@ def global_sensitivity(
 @router.get("/follow-ups", responses=problems_of(404, 422))
 def follow_ups(job_id: JobId, service: Service) -> FollowUpCosts:
     """Estimate the runs and time of follow-ups before submitting one, from the runs of the job so far."""
+    from geoswarm.workers.service.follow_up_costs import follow_up_costs
+
     return follow_up_costs(service, job_id)
 
 
