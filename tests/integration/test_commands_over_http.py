@@ -131,31 +131,25 @@ def test_embedded_service_gives_the_in_process_history(workers: int, tmp_path: P
 
 
 @pytest.mark.slow
-def test_an_accelerated_job_gives_the_in_process_history(
-    tmp_path: Path, fresh_postgres_url: str, fresh_redis_url: str
-) -> None:
+def test_an_accelerated_job_gives_the_in_process_history(tmp_path: Path) -> None:
     with served("--database", f"sqlite:///{tmp_path / 'jobs.db'}", "--workers", "2") as client:
         job = client.submit(ACCELERATED)
         finish(client, job.id, 150)
         assert over_http(client, job.id) == in_process(accelerated=True)
-    backends = ("--database", fresh_postgres_url, "--broker", fresh_redis_url)
-    with served(*backends) as client, geoswarm("worker", "--concurrency", "2", *backends):
-        wait_for(lambda: len(client.workers()) == 2, "2 workers")
-        job = client.submit(ACCELERATED)
-        finish(client, job.id, 150)
-        assert over_http(client, job.id) == in_process(accelerated=True)
 
 
-@pytest.mark.parametrize("workers", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 4))])
+@pytest.mark.parametrize(
+    ("workers", "accelerated"), [(2, True), *(pytest.param(n, False, marks=pytest.mark.slow) for n in (1, 2, 4))]
+)
 def test_redis_and_postgresql_give_the_in_process_history(
-    workers: int, fresh_postgres_url: str, fresh_redis_url: str
+    workers: int, accelerated: bool, fresh_postgres_url: str, fresh_redis_url: str
 ) -> None:
     backends = ("--database", fresh_postgres_url, "--broker", fresh_redis_url)
     with served(*backends) as client, geoswarm("worker", "--concurrency", str(workers), *backends):
         wait_for(lambda: len(client.workers()) == workers, f"{workers} workers")
-        job = client.submit(WHOLE)
-        finish(client, job.id)
-        assert over_http(client, job.id) == in_process()
+        job = client.submit(ACCELERATED if accelerated else WHOLE)
+        finish(client, job.id, 150 if accelerated else 1590)
+        assert over_http(client, job.id) == in_process(accelerated=accelerated)
 
 
 @pytest.mark.slow

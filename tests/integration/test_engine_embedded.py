@@ -61,8 +61,8 @@ def wait_for_workers(engine: Engine, count: int) -> None:
 
 @pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_same_history_as_in_process_for_any_number_of_workers(database_url: str, workers: int) -> None:
-    quick = line(stopping={"max_evaluations": 600, "stagnation_generations": 40})
-    sampled = line(method={"kind": "monte_carlo", "samples": 120, "batch": 25}, stopping={})
+    quick = line(stopping={"max_evaluations": 150, "stagnation_generations": 40})
+    sampled = line(method={"kind": "monte_carlo", "samples": 60, "batch": 25}, stopping={})
     with open_engine(Settings(database_url=database_url, workers=workers)) as engine:
         ids = [engine.service.submit(problem)[0].id for problem in (quick, sampled)]
         for problem, job_id in zip((quick, sampled), ids, strict=True):

@@ -48,22 +48,25 @@ def test_postgres_listens_on_loopback_with_a_password(postgres_server: PostgresS
         connect(postgres_url.replace(postgres_server._password, "wrong"))
 
 
-def test_fresh_databases_are_separate_and_a_template_is_copied(postgres_server: PostgresServer) -> None:
+def test_fresh_databases_are_separate_and_can_be_emptied(postgres_server: PostgresServer) -> None:
     first = postgres_server.create_database()
     with connect(first) as connection:
         connection.execute("CREATE TABLE note (text TEXT)")
-    copy = postgres_server.create_database(template=first.rsplit("/", 1)[-1])
-    empty = postgres_server.create_database()
-    tables = {}
-    for url in (copy, empty):
-        with connect(url) as connection:
-            tables[url] = connection.execute("SELECT tablename FROM pg_tables WHERE schemaname = 'public'").fetchall()
-    assert tables == {copy: [("note",)], empty: []}
-    with connect(copy):  # a connection that is still open does not keep a database from being dropped
-        for url in (first, copy, empty):
+        connection.execute("INSERT INTO note VALUES ('kept')")
+    second = postgres_server.create_database()
+    with connect(second) as connection:
+        assert connection.execute("SELECT tablename FROM pg_tables WHERE schemaname = 'public'").fetchall() == []
+    left = connect(first)  # a connection that is still open keeps no database from being emptied or dropped
+    left.execute("BEGIN")
+    left.execute("LOCK TABLE note")
+    postgres_server.empty(first, ["note"])
+    left.close()
+    with connect(first) as connection:
+        assert connection.execute("SELECT count(*) FROM note").fetchone() == (0,)
+        for url in (first, second):
             postgres_server.drop_database(url)
     with pytest.raises(psycopg.OperationalError, match="does not exist"):
-        connect(copy)
+        connect(first)
 
 
 @pytest.mark.parametrize("ending", ["restart", "kill"])
