@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.errors import NoEvaluationError
 from geoswarm.solver.estimates.compression import (
@@ -24,7 +26,7 @@ from geoswarm.solver.forward.combined import parts_of
 from geoswarm.solver.laboratory.flow.crs import CrsOedometerSpec
 from geoswarm.solver.laboratory.shear.simple_shear import DirectSimpleShearSpec
 from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
-from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem import Observation, Problem
 
 __all__ = ["Evaluated", "calculated_problem", "classical_evaluation", "classical_values"]
 
@@ -46,9 +48,11 @@ def classical_evaluation(problem: Problem) -> Evaluated:
     """Evaluate the readings of all laboratory tests of a problem.
 
     Nothing of the law's parameters is looked at; programs of the user's and layered ground have no such evaluation.
+    Readings that ``stage_x_from`` leaves out of the search count: c_v is that of primary consolidation.
     """
     if problem.forward_model.runs_outside:
         return Evaluated()
+    problem = replace(problem, observations=tuple(_with_early(one) for one in problem.observations))
     values: list[ClassicalValue] = []
     drawn: list[Construction] = []
     for test in load_tests(problem):
@@ -87,7 +91,19 @@ def classical_evaluation(problem: Problem) -> Evaluated:
     return Evaluated((*values, *without), tuple(drawn))
 
 
+def _with_early(observation: Observation) -> Observation:
+    """The observation with the points that ``stage_x_from`` leaves out among the others."""
+    x = np.concatenate([observation.x, observation.early_x])
+    order = np.argsort(x, kind="stable")
+    y = np.concatenate([observation.y, observation.early_y])
+    weights = np.concatenate([observation.point_weights, np.ones(len(observation.early_x))])
+    return replace(observation, x=x[order], y=y[order], point_weights=weights[order])
+
+
 def calculated_problem(problem: Problem, responses: Mapping[str, FloatArray]) -> Problem:
     """The problem with calculated values, shape (m_g,) a series, in place of its readings."""
-    observations = tuple(replace(one, y=responses[one.series]) for one in problem.observations)
+    none = np.empty(0)
+    observations = tuple(
+        replace(one, y=responses[one.series], early_x=none, early_y=none) for one in problem.observations
+    )
     return replace(problem, observations=observations)

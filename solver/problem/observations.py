@@ -63,6 +63,9 @@ class Observation:
         Further quantities at the points, each of shape (m,), that a formula uses.
     gross_x, gross_y
         Points marked as gross errors, each of shape (q,), base units: shown, but in no misfit.
+    early_x, early_y
+        Points that ``stage_x_from`` alone leaves out, each of shape (r,), base units: primary consolidation, from which
+        a classical evaluation takes c_v.
     readings
         Number of readings behind x and y: points may be means of several.
     mean_error
@@ -89,6 +92,8 @@ class Observation:
     inputs: dict[str, FloatArray] = field(default_factory=dict)
     gross_x: FloatArray = field(default_factory=lambda: np.empty(0))
     gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
+    early_x: FloatArray = field(default_factory=lambda: np.empty(0))
+    early_y: FloatArray = field(default_factory=lambda: np.empty(0))
     readings: float = 0.0
     mean_error: float = 1.0
     extent: float = 0.0
@@ -204,9 +209,12 @@ def _build(
     chosen, issues = chosen_points(section, path, x, units["x"], info, spec)
     if issues:
         return None, issues
+    early = chosen_points(section.model_copy(update={"stage_x_from": None}), path, x, units["x"], info, spec)[0]
     gross = np.zeros(len(x), dtype=np.bool_)
     gross[list(points.gross_errors)] = True
     gross_x, gross_y = x[gross], y[gross]
+    early &= ~(chosen | gross)
+    early_x, early_y = x[early], y[early]
     chosen &= ~gross
     kept = np.flatnonzero(chosen)
     place = f"{path}.points.x" if section.points is not None else f"{path}.file"
@@ -222,7 +230,7 @@ def _build(
     weights = count / count.mean() if points.weight is None else np.array(points.weight, dtype=np.float64)[kept]
     if not weights.any():
         return None, [Issue(place, "all points that take part have weight 0; at least one must be above 0")]
-    for array in (x, y, weights, gross_x, gross_y):
+    for array in (x, y, weights, gross_x, gross_y, early_x, early_y):
         array.flags.writeable = False
     with np.errstate(over="ignore"):
         extent = _difference(points.range_of(chosen), units["y"], info)
@@ -256,6 +264,8 @@ def _build(
             inputs={name: np.array(values, dtype=np.float64)[kept] for name, values in points.inputs.items()},
             gross_x=gross_x,
             gross_y=gross_y,
+            early_x=early_x,
+            early_y=early_y,
             readings=float(count.sum()),
             mean_error=mean_error,
             extent=extent,

@@ -21,7 +21,7 @@ def degree(minutes: np.ndarray, path: float) -> np.ndarray:
     return np.asarray(1.0 - (2.0 / M**2 * np.exp(-np.multiply.outer(T, M**2))).sum(axis=-1))
 
 
-def problem(drainage: str, creep: float = 0.0) -> Problem:
+def problem(drainage: str, creep: float = 0.0, **selection: float) -> Problem:
     """Two loads, 50 to 100 and to 200 kPa, with strains of 4 % and 5 % by consolidation."""
     path = 0.5 * HEIGHT
     strain = np.concatenate(
@@ -48,7 +48,10 @@ def problem(drainage: str, creep: float = 0.0) -> Problem:
                 "k": {"lower": 1e-6, "upper": 1e-3},
             },
             "observations": [
-                {"series": "axial_strain", "points": {"x": minutes.tolist(), "y": strain.tolist()}, "x_unit": "min"}
+                {
+                    **{"series": "axial_strain", "points": {"x": minutes.tolist(), "y": strain.tolist()}},
+                    **{"x_unit": "min", **selection},
+                }
             ],
             "stopping": {"max_evaluations": 10},
         }
@@ -68,6 +71,12 @@ def test_terzaghis_series_gives_its_coefficient_and_the_permeability(drainage: s
     assert values["c_v"] == pytest.approx(true, rel=0.02)
     assert values["k"] == pytest.approx(true * 0.04 / 50.0 * 9.81, rel=0.02)
     assert {one.unit for one in found if one.symbol == "c_v"} == {"m²/day"}
+
+
+def test_readings_that_the_search_leaves_out_after_each_load_count() -> None:
+    late = problem("two_sides", 0.004, stage_x_from=120.0)
+    assert len(late.observations[0].x) == 8
+    assert classical_values(late) == classical_values(problem("two_sides", 0.004))
 
 
 def test_the_height_of_the_middle_of_a_later_stage_counts() -> None:
