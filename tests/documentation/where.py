@@ -29,7 +29,7 @@ CLIENT = "tests/geoswarm/client/test_documentation.py::test_examples_of_the_clie
 
 EQUATIONS = "Equations of the law in plain text, which its tests in tests/solver and tests/verification work out."
 DRAWING = "A drawing of the test in letters, for the eye."
-INDEX = "It installs into an environment of the reader; tests/contracts/test_installation.py installs the same from a wheel."
+INDEX = "It installs for the reader; tests/contracts/test_installation.py installs the same from a wheel."
 MAKE = "It installs the development environment or runs these very tests; its targets are looked up in the Makefile."
 
 BLOCKS: Final[dict[str, dict[str, str]]] = {
@@ -229,12 +229,12 @@ BLOCKS: Final[dict[str, dict[str, str]]] = {
     },
     "examples/kratos/README.md": {
         "indented": (
-            "It installs into an environment of the reader; tests/examples/test_kratos.py runs and examines the same problem."
+            "It installs for the reader; tests/examples/test_kratos.py runs and examines the same problem."
         )
     },
     "examples/opengeosys/README.md": {
         "indented": (
-            "It installs into an environment of the reader; tests/examples/test_opengeosys.py runs and examines the same problem."
+            "It installs for the reader; tests/examples/test_opengeosys.py runs and examines the same problem."
         )
     },
     "examples/opengeosys_slope/README.md": {
