@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,7 +57,7 @@ def new_command(call: str, example: Path, marks: tuple[str, ...], result: str, o
     """Write a problem file for a program of your own.
 
     Of an example of the program's input file a template is made: the numbers that you mark become parameters. What is
-    not given is asked for. Existing files are never overwritten.
+    not given is asked for. Programs and files that the call names are copied. Existing files are never overwritten.
 
         geoswarm model new --run "./settle" --input input.txt --mark E=2e4 --mark nu=0.3 --result output.csv
     """
@@ -68,7 +69,8 @@ def new_command(call: str, example: Path, marks: tuple[str, ...], result: str, o
         raise BadInputError("--run is empty; give the program and its arguments")
     chosen = [parse_mark(text) for text in (marks or _asked())]
     template = marked(_text(example), chosen, example.name)
-    own = _own_files(arguments, output)
+    own = _own_files(arguments, Path()) or _own_files(arguments, output)
+    copied = [name for name in own if not (output / name).exists()]
     files = {
         f"{example.name}.in": template,
         "readings.csv": "x,y\n1,0.0\n2,0.0\n",
@@ -78,10 +80,13 @@ def new_command(call: str, example: Path, marks: tuple[str, ...], result: str, o
     if there:
         raise BadInputError(f"{', '.join(there)}: there already, and never overwritten; give another --output DIR")
     output.mkdir(parents=True, exist_ok=True)
+    for name in copied:
+        (output / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(name, output / name)
     for name, text in files.items():
         (output / name).write_text(text, encoding="utf-8", newline="")
     problem = output / "problem.yaml"
-    note(f"Written: {', '.join(str(output / name) for name in files)}")
+    note(f"Written: {', '.join(str(output / name) for name in (*files, *copied))}")
     note(f"Next: say in {problem} how the series is read and put your readings in readings.csv;")
     note(f"geoswarm model try {problem} shows what a run reads and writes, geoswarm check {problem} judges it.")
 
@@ -194,7 +199,7 @@ def _bounds(value: float) -> str:
 
 
 def _own_files(arguments: Sequence[str], folder: Path) -> list[str]:
-    """Arguments that are files beside the problem, and so have to be copied."""
+    """Arguments that are files of a folder, and so have to be copied into each run folder."""
     names = [argument.removeprefix("./") for argument in arguments]
     return [name for name in names if not name.startswith("/") and ".." not in name and (folder / name).is_file()]
 

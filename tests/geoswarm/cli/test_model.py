@@ -174,3 +174,16 @@ def test_a_model_that_cannot_be_looked_at_is_listed_as_broken(
 def test_only_programs_are_tried(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["model", "try", "examples/formula/problem.yaml"]) == 2
     assert "runs no program; geoswarm evaluate shows" in capsys.readouterr().err
+
+
+def test_what_the_call_names_is_copied_into_another_folder(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "settle").write_text(f"#!{sys.executable}\n{PROGRAM}")
+    (folder / "settle").chmod(0o755)
+    call = ["--run", "./settle", "--input", "input.txt", "--result", "result.csv", "--mark", "k=0.3"]
+    assert main(["model", "new", *call, "--output", "other"]) == 0
+    assert "other/problem.yaml, other/settle" in capsys.readouterr().err
+    text = (folder / "other" / "problem.yaml").read_text().replace("x: 1, y: 2", "x: day, y: mm")
+    (folder / "other" / "problem.yaml").write_text(text)
+    assert "files: [settle]" in text
+    assert main(["model", "try", "other/problem.yaml"]) == 0
+    assert "calculated" in capsys.readouterr().out
