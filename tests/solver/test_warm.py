@@ -65,7 +65,6 @@ def test_samples_are_of_the_kind_they_are_listed_under() -> None:
     found = {group: groups_of(parse_problem(document).forward_model)[0] for group, document in SAMPLES.items()}
     assert found == {group: group for group in SAMPLES}
     assert KERNELS.keys() <= set(GROUPS)
-    assert len(GROUPS) < 256  # a group is asked for by its place, in one byte
 
 
 def test_the_command_says_what_it_does(caplog: pytest.LogCaptureFixture) -> None:

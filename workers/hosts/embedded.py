@@ -33,8 +33,8 @@ __all__ = ["PipeDoorbell", "Supervisor"]
 log = logging.getLogger(__name__)
 
 # The child takes over the parent's import path, as it may not be installed but run from its sources. What it needs
-# comes over its standard input, which then stays open: its end tells that the parent has died. Looking for garbage among
-# what imports leave would take a sixth of the start.
+# comes over its standard input, which then stays open: its end tells that the parent has died. Looking for
+# garbage among what imports leave would take a sixth of the start.
 BOOTSTRAP = (
     "import gc, json, sys; gc.disable(); given = json.loads(sys.stdin.readline()); sys.path[:] = given['path'];"
     "from geoswarm.workers.hosts.embedded_worker import main; gc.freeze(); gc.enable(); main(given)"
