@@ -229,17 +229,17 @@ BLOCKS: Final[dict[str, dict[str, str]]] = {
     },
     "examples/kratos/README.md": {
         "indented": (
-            "It installs for the reader; tests/examples/test_kratos.py runs and examines the same problem."
+            "It installs from the package index; tests/examples/test_kratos.py runs and examines the same problem."
         )
     },
     "examples/opengeosys/README.md": {
         "indented": (
-            "It installs for the reader; tests/examples/test_opengeosys.py runs and examines the same problem."
+            "It installs from the package index; tests/examples/test_opengeosys.py runs and examines the same problem."
         )
     },
     "examples/opengeosys_slope/README.md": {
         "indented": (
-            "It installs into an environment of the reader; "
+            "It installs from the package index; "
             "tests/examples/test_opengeosys_slope.py runs and examines both problems."
         )
     },
