@@ -104,7 +104,7 @@ def test_processes_take_over_when_quick_runs_are_many(monkeypatch: pytest.Monkey
 
 @pytest.mark.usefixtures("processes_at_once")
 def test_killed_worker_processes_change_nothing(below: Callable[[], list[int]]) -> None:
-    problem = decay_problem(stopping={"max_evaluations": 60})
+    problem = decay_problem(stopping={"max_evaluations": 24})
     killed = []
 
     def kill(_: GenerationRecord) -> None:

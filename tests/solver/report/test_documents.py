@@ -77,9 +77,7 @@ def test_page_needs_nothing_else(swarm: Run) -> None:
     assert "script" not in reader.tags
     assert all(address.startswith(("#", "data:")) for address in reader.addresses)
     assert "viewport" in swarm.page
-    assert len(set(re.findall(r'\bid="([^"]+)"', swarm.page))) == len(
-        re.findall(r'\bid="([^"]+)"', swarm.page)
-    )
+    assert len(set(re.findall(r'\bid="([^"]+)"', swarm.page))) == len(re.findall(r'\bid="([^"]+)"', swarm.page))
 
 
 def test_names_of_the_user_are_escaped(swarm: Run) -> None:

@@ -154,7 +154,8 @@ def test_a_plateau_is_no_minimum() -> None:
 
 def test_products_bounds_constraints_and_whole_numbers() -> None:
     y = 3.0 * np.exp(-0.7 * T) + SCATTER
-    product = polished("a * b * exp(-k * x)", {"a": free(), "b": free(), "k": free()}, y, stopping={"max_evaluations": 200})
+    few = {"max_evaluations": 200}
+    product = polished("a * b * exp(-k * x)", {"a": free(), "b": free(), "k": free()}, y, stopping=few)
     assert calibrate(product, seed=1).objective == pytest.approx(
         calibrate(polished("a * exp(-k * x)", {"a": free(), "k": free()}, y), seed=1).objective, rel=1e-6
     )
@@ -163,7 +164,7 @@ def test_products_bounds_constraints_and_whole_numbers() -> None:
     assert result.parameters is not None
     assert result.parameters["a"] == pytest.approx(2.5, rel=1e-9)
     assert result.stop_reasons == ("polished",)
-    tied = polished("a * exp(-k * x)", {"a": free(), "k": free()}, y, constraints=["a < 4 * k"])
+    tied = polished("a * exp(-k * x)", {"a": free(), "k": free()}, y, constraints=["a < 4 * k"], stopping=few)
     result = calibrate(tied, seed=1)
     assert result.parameters is not None
     assert result.parameters["a"] < 4.0 * result.parameters["k"]
