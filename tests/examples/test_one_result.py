@@ -61,7 +61,7 @@ def test_all_outputs_show_the_same_result(
         assert main([*arguments, "--json"]) == 0, capsys.readouterr().err
         return json.loads(capsys.readouterr().out)
 
-    assert main(["run", str(problem), "--output", str(folder)]) == 0
+    run = printed("run", str(problem), "--output", str(folder))
     stored = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     expected = _of_record(stored, free)
 
@@ -72,7 +72,7 @@ def test_all_outputs_show_the_same_result(
             return http.get(path).raise_for_status()
 
         outputs = {
-            "run --json": _of_record(printed("run", str(problem)), free),
+            "run --json": _of_record(run, free),
             "show --json": _of_record(printed("show", job, "--url", service), free),
             "GET job": _of_record(got(f"jobs/{job}").json(), free),
             "GET jobs": _of_record(next(one for one in got("jobs").json()["items"] if one["id"] == job), free),

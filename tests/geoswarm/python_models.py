@@ -23,9 +23,6 @@ import time
 def line(x, a, b=2.0):
     return a + b * x
 
-def both(x, a, b):
-    return {"u": a + b * x["u"], "v": (x["v"], b * x["v"])}
-
 def slow(x, a, b):
     if a > 0:
         time.sleep(60)

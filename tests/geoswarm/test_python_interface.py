@@ -21,25 +21,27 @@ from tests.geoswarm.python_models import OPTIONS, SOURCE, X, Y, module, numbers,
 
 __all__ = ["service", "settings"]
 
+DOCUMENT: dict[str, Any] = {
+    "forward_model": {"kind": "formula", "series": {"y": "a + b * x"}},
+    **OPTIONS,
+    "observations": [{"series": "y", "points": {"x": X, "y": Y}, "error": 0.1}],
+}
+
 
 def test_a_function_is_calibrated_as_its_problem_file_to_the_last_bit(tmp_path: Path) -> None:
     line = module(tmp_path).line
     one = gs.calibrate(line, **OPTIONS, output=tmp_path / "python")
-    two = gs.calibrate(line, **OPTIONS, workers=2)
     path = problem_file(tmp_path, line)
-    assert main(["run", str(path), "--output", str(tmp_path / "cli")]) == 0
-    assert numbers(one) == numbers(two)
-    assert one.parameters == two.parameters
+    assert main(["run", str(path), "--workers", "2", "--output", str(tmp_path / "cli")]) == 0
     assert rows(tmp_path / "python") == rows(tmp_path / "cli")
     told = [json.loads((tmp_path / name / "problem.json").read_text()) for name in ("python", "cli")]
     assert told[0] == told[1]
     assert (tmp_path / "python" / "report.html").is_file()
     assert one.problem == gs.load_problem(path)
-    assert numbers(gs.calibrate(gs.load_problem(path))) == numbers(one)
 
 
 def test_what_a_result_tells(tmp_path: Path) -> None:
-    result = gs.calibrate(module(tmp_path).line, **OPTIONS | {"stopping": {"max_evaluations": 600}}, quick_runs=True)
+    result = gs.calibrate(DOCUMENT, stopping={"max_evaluations": 200})
     assert result.state == "finished"
     assert result.stop_reasons == ("max_evaluations",)
     assert result.parameters == pytest.approx({"a": 1.0, "b": 2.0}, abs=1e-2)
@@ -48,7 +50,7 @@ def test_what_a_result_tells(tmp_path: Path) -> None:
     assert "Calibration" in result._repr_html_()
     runs = result.runs
     assert runs["objective"].shape == runs["a"].shape == (runs.size,) == (result.evaluations,)
-    assert 570 <= runs.size <= 600
+    assert 170 <= runs.size <= 200
     best = int(np.flatnonzero(runs["objective"] == result.objective)[0])
     np.testing.assert_array_equal(runs.responses["y"][best], result.best.responses["y"])
     assert list(runs.to_dataframe().columns) == list(runs)
@@ -60,11 +62,15 @@ def test_what_a_result_tells(tmp_path: Path) -> None:
     assert main(["statistics", str(tmp_path / "report"), "--json"]) == 0
 
 
-def test_axes_can_be_given(tmp_path: Path) -> None:
+@pytest.mark.filterwarnings("ignore::geoswarm.InProcessWarning")
+def test_axes_can_be_given() -> None:
     from matplotlib.figure import Figure
 
+    def both(x: Any, a: float, b: float) -> Any:
+        return {"u": a + b * x["u"], "v": (x["v"], b * x["v"])}
+
     parts = {"u": gs.observed(X, Y, x_unit="min", y_unit="mm"), "v": gs.observed([3, 1], [6, 2])}
-    result = gs.calibrate(module(tmp_path).both, **OPTIONS | {"observations": parts})
+    result = gs.calibrate(both, **OPTIONS | {"observations": parts})
     axes = Figure().subplots(2, 1)
     drawn = result.plot(axes)
     assert list(axes) == drawn
@@ -157,15 +163,13 @@ def test_exceptions_are_failed_evaluations_with_the_users_lines(tmp_path: Path) 
     lines = result.history[int(np.argmax(failed))].evaluation.message
     assert lines is not None
     assert "wrong raised ValueError: a = " in lines
-    assert f'  {found.__name__}.py, line 23, in wrong: raise ValueError(f"a = {{a:.1f}} is above 0")' in lines
+    assert f'  {found.__name__}.py, line 20, in wrong: raise ValueError(f"a = {{a:.1f}} is above 0")' in lines
     assert "geoswarm" not in lines.replace(found.__name__, "")
-    ended = gs.calibrate(found.wrong, **OPTIONS, failures={"policy": "fail"})
-    assert ended.state == "failed"
-    assert "failures.policy" in (ended.error or "")
 
 
-def test_nothing_found_is_told_where_it_is_asked_for(tmp_path: Path) -> None:
-    result = gs.calibrate(module(tmp_path, "def f(x, a, b): return None").f, **OPTIONS)
+@pytest.mark.filterwarnings("ignore::geoswarm.InProcessWarning")
+def test_nothing_found_is_told_where_it_is_asked_for() -> None:
+    result = gs.calibrate(lambda x, a, b: None, **OPTIONS)  # noqa: ARG005
     assert result.state == "failed"
     for ask in (lambda: result.parameters, lambda: result.objective, result.statistics, result.plot):
         with pytest.raises(gs.SolverError, match=r"all 60 evaluations failed .*is a return missing"):
@@ -173,21 +177,20 @@ def test_nothing_found_is_told_where_it_is_asked_for(tmp_path: Path) -> None:
 
 
 def test_resume_goes_on_to_the_same_result(tmp_path: Path) -> None:
-    line = module(tmp_path).line
-    whole = gs.calibrate(line, **OPTIONS)
+    whole = gs.calibrate(DOCUMENT)
 
     def stop(record: Any) -> None:
         if record.number == 3:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        gs.calibrate(line, **OPTIONS, output=tmp_path / "out", on_generation=stop)
+        gs.calibrate(DOCUMENT, output=tmp_path / "out", on_generation=stop)
     with pytest.raises(gs.SolverError, match="holds 24 runs of an interrupted calibration"):
-        gs.calibrate(line, **OPTIONS, output=tmp_path / "out")
-    again = gs.calibrate(line, **OPTIONS, output=tmp_path / "out", resume=True)
+        gs.calibrate(DOCUMENT, output=tmp_path / "out")
+    again = gs.calibrate(DOCUMENT, output=tmp_path / "out", resume=True)
     assert numbers(again) == numbers(whole)
     with pytest.raises(gs.SolverError, match="is finished; read it"):
-        gs.calibrate(line, **OPTIONS, output=tmp_path / "out", resume=True)
+        gs.calibrate(DOCUMENT, output=tmp_path / "out", resume=True)
 
 
 def test_every_option_of_a_problem_file_passes(tmp_path: Path) -> None:
@@ -315,9 +318,7 @@ def test_evaluate(tmp_path: Path) -> None:
     with pytest.raises(gs.ForwardError, match="wrong raised ValueError") as caught:
         gs.evaluate(found.wrong, a=1, b=2, observations=gs.observed(X, Y))
     assert caught.value.reason == "bad_output"
-    formula = {"kind": "formula", "series": {"y": "a + b * x"}}
-    document = {"forward_model": formula, **OPTIONS, "observations": [{"series": "y", "points": {"x": X, "y": Y}}]}
-    assert gs.evaluate(document, a=1, b=2).objective == 0.0
+    assert gs.evaluate(DOCUMENT, a=1, b=2).objective == 0.0
 
 
 def test_the_service_refuses_it(tmp_path: Path, service: JobService) -> None:
@@ -329,6 +330,4 @@ def test_the_service_refuses_it(tmp_path: Path, service: JobService) -> None:
 
 
 def test_a_mapping_is_a_problem() -> None:
-    formula = {"kind": "formula", "series": {"y": "a + b * x"}}
-    document = {"forward_model": formula, **OPTIONS, "observations": [{"series": "y", "points": {"x": X, "y": Y}}]}
-    assert calibrate_problem(gs.problem(document)).objective == gs.calibrate(document).objective
+    assert calibrate_problem(gs.problem(DOCUMENT)).objective == gs.calibrate(DOCUMENT).objective

@@ -99,7 +99,8 @@ if __name__ == "__main__":
     )
     main(["check", str(Path(sys.argv[1]) / "none.json")])  # what it loads is loaded once for all children
     found = []
-    for name, document in (("swarm", swarm), ("learning", learning)):
+    for name in sys.argv[3:]:
+        document = {"swarm": swarm, "learning": learning}[name]
         (Path(sys.argv[1]) / name).mkdir()
         found.append(trials(Path(sys.argv[1]) / name, document, int(sys.argv[2]), random.Random(20)))
     sys.stdout.write("\n" + json.dumps(found))

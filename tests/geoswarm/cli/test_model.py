@@ -49,7 +49,8 @@ def test_a_program_is_calibrated_from_an_example_of_its_input(folder: Path, caps
     assert units in text
     text = text.replace(units, "{file: result.csv, x: day, y: mm, x_unit: day, y_unit: mm}")
     text = text.replace('file: readings.csv, x_unit: "1", y_unit: "1"', "file: readings.csv, x_unit: day, y_unit: mm")
-    (folder / "problem.yaml").write_text(text)
+    assert "max_evaluations: 200" in text
+    (folder / "problem.yaml").write_text(text.replace("max_evaluations: 200", "max_evaluations: 60"))
     (folder / "readings.csv").write_text("x,y\n1,0.12\n2,0.21\n4,0.33\n8,0.43\n16,0.47\n")
     capsys.readouterr()
 

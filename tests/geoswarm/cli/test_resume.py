@@ -54,10 +54,15 @@ def cut_off(monkeypatch: pytest.MonkeyPatch, problem: str, output: Path, run: in
 
 
 @pytest.mark.timeout(1200)  # more than a hundred processes begin: minutes on a busy machine
-@pytest.mark.parametrize(("count", "unfinished"), [(3, 0), pytest.param(21, 5, marks=pytest.mark.slow)])
-def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(tmp_path: Path, count: int, unfinished: int) -> None:
+@pytest.mark.parametrize(
+    ("searches", "count", "unfinished"),
+    [(["learning"], 3, 0), pytest.param(["swarm", "learning"], 21, 5, marks=pytest.mark.slow)],
+)
+def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(
+    tmp_path: Path, searches: list[str], count: int, unfinished: int
+) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "tests.geoswarm.cli.interruptions", str(tmp_path), str(count)],
+        [sys.executable, "-m", "tests.geoswarm.cli.interruptions", str(tmp_path), str(count), *searches],
         cwd=ROOT,
         env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"},
         capture_output=True,

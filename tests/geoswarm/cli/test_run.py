@@ -22,6 +22,11 @@ KEYS = [
 ]
 
 
+@pytest.fixture
+def tables_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("geoswarm.cli.local.run.figures_missing", lambda _what: "figures are not wanted here")
+
+
 def write(folder: Path, **changes: Any) -> str:
     path = folder / "problem.json"
     path.write_text(json.dumps(decay_document(**changes)), encoding="utf-8")
@@ -66,6 +71,7 @@ def test_number_of_workers_and_seed_do_what_they_say(tmp_path: Path, capsys: pyt
     assert outcomes[2]["parameters"] != outcomes[0]["parameters"]
 
 
+@pytest.mark.usefixtures("tables_only")
 def test_the_written_problem_has_the_seed_that_was_used(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "output"
     assert main(["run", write(tmp_path, seed=None), "--output", str(folder), "--json"]) == 0
@@ -129,6 +135,7 @@ def test_without_matplotlib_the_tables_are_still_written(
     )
 
 
+@pytest.mark.usefixtures("tables_only")
 def test_a_run_without_success_fails_with_its_reasons(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     model = {"kind": "formula", "series": {"y": "ln(-amplitude) * exp(-rate * x)"}}
     path = write(tmp_path, forward_model=model, stopping={"max_evaluations": 16})
@@ -179,6 +186,7 @@ def test_interrupted_run_tells_the_best_so_far(
     assert "Interrupted." in captured.err
 
 
+@pytest.mark.usefixtures("tables_only")
 def test_a_warm_start_takes_the_runs_of_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     sampling = {"method": {"kind": "monte_carlo", "samples": 60}, "stopping": None}
     aimed = {"method": {"kind": "particle_swarm", "particles": 8}}

@@ -77,7 +77,7 @@ def size_of(soil: Soil, call: Call) -> float:
 @pytest.mark.parametrize("changes", CHANGES, ids=str)
 def test_a_corner_is_the_same_in_a_plane_and_in_general(kind: str, changes: dict[str, float]) -> None:
     soil, differences, refused = soil_of(kind, changes), [], 0
-    for call in calls(soil, 150):
+    for call in calls(soil, 50):
         strain, stress, state = call
         general, plane = answer(soil, *call), answer(soil, strain[:4], stress[:4], state)
         assert (general[3] < 0) == (plane[3] < 0), call
@@ -85,14 +85,14 @@ def test_a_corner_is_the_same_in_a_plane_and_in_general(kind: str, changes: dict
         if general[3] >= 0:
             differences.append(np.abs(general[0][:4] - plane[0]).max() / size_of(soil, call))
     assert max(differences) < SAME
-    assert refused <= 2
+    assert refused <= 1
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("changes", CHANGES, ids=str)
 def test_a_corner_is_the_same_on_turned_axes_and_has_no_jump_beside_it(kind: str, changes: dict[str, float]) -> None:
     soil, rng, turned, beside = soil_of(kind, changes), np.random.default_rng(6), [], []
-    for call in calls(soil, 150):
+    for call in calls(soil, 50):
         strain, stress, state = call
         here, size = answer(soil, *call), size_of(soil, call)
         if here[3] < 0:
@@ -112,7 +112,7 @@ def test_a_corner_is_the_same_on_turned_axes_and_has_no_jump_beside_it(kind: str
         if moved[3] >= 0:
             stiffness = np.abs(here[2]).max() + np.abs(moved[2]).max()
             beside.append((np.abs(moved[0] - here[0]).max() - 6.0 * stiffness * np.abs(step).max()) / size)
-    assert min(len(turned), len(beside)) >= 148
+    assert min(len(turned), len(beside)) >= 49
     assert max(turned) < SAME
     assert max(beside) < SAME
 
@@ -123,7 +123,7 @@ def test_derivatives_that_are_asked_for_change_no_stress_at_corners() -> None:
     plain_given = {name: value for name, value in given.items() if name not in ("G0_ref", "gamma_07")}
     plain = find_law("hardening_soil").soil(plain_given)
     small = find_law("hardening_soil_small").soil({**given, "G0_ref": given["Eur_ref"] / 2.4, "nu_ur": 0.2})
-    for call in calls(plain, 300):
+    for call in calls(plain, 100):
         strain, stress, state = call
         without = answer(plain, *call)
         asked = answer(small, strain, stress, np.concatenate([state, np.zeros(8), [1.0]]))

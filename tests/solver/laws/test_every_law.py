@@ -133,7 +133,7 @@ def test_what_excludes_each_other_is_told(law: Law) -> None:
 
 @pytest.mark.parametrize("step", [SMALL, LARGE])
 def test_the_answer_turns_with_the_axes(case: Case, step: np.ndarray) -> None:
-    for axes in Rotation.random(5, rng=np.random.default_rng(5)).as_matrix():
+    for axes in Rotation.random(2, rng=np.random.default_rng(5)).as_matrix():
         stress, state, tangent = turned(case, axes, stress=STRESS, strain=step)
         assert stress < 1.0e-9
         assert state < 1.0e-9
@@ -145,7 +145,7 @@ def test_the_answer_turns_with_the_axes(case: Case, step: np.ndarray) -> None:
 def test_the_tangent_leaves_a_rest_of_second_order(case: Case, step: np.ndarray, log_time: float) -> None:
     size = float(np.abs(step).max())
     lengths = size * 1.0e-2 * 0.5 ** np.arange(5)
-    for way in np.random.default_rng(7).uniform(-1.0, 1.0, (6, 6)):
+    for way in np.random.default_rng(7).uniform(-1.0, 1.0, (2, 6)):
         rests = taylor_rests(case, step, way, lengths, log_time)
         rounding = 1.0e-11
         assert rests[-1] < max(rounding, 1.0e-3 * lengths[-1] / lengths[0])
@@ -258,7 +258,7 @@ def test_wild_steps_are_answered_or_refused(case: Case) -> None:
     """Never with numbers that are none; the same again gives the same bits, and inputs stay as they are."""
     rng = np.random.default_rng(11)
     for size in 10.0 ** np.arange(-12.0, 4.0):
-        for _ in range(20):
+        for _ in range(6):
             strain, state = size * rng.normal(size=6), case.state()
             kept, log_time = (strain.copy(), STRESS.copy(), state.copy()), float(rng.choice([-math.inf, 0.0]))
             first, again = (case.update(strain, STRESS, state, log_time) for _ in range(2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +19,19 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "oedometer" / "problem.yaml"
 
 @dataclass(frozen=True)
 class Run:
-    """A problem, its result and its report."""
+    """A problem, its result and its report, of which each form is drawn once."""
 
     problem: Problem
     result: CalibrationResult
     report: Report
+
+    @cached_property
+    def page(self) -> str:
+        return self.report.html()
+
+    @cached_property
+    def pdf(self) -> bytes:
+        return self.report.pdf()
 
 
 def oedometer(**changes: Any) -> dict[str, Any]:

@@ -52,7 +52,7 @@ def printed(sentence: str) -> str:
 
 
 def test_page_has_verdicts_first_and_provenance_last(sampling: Run) -> None:
-    page = sampling.report.html()
+    page = sampling.page
     places = [page.index(f'id="{section}"') for section in ("verdicts", "figures", "tables", "provenance")]
     assert places == sorted(places)
     text = " ".join(" ".join(read(page).words).split())
@@ -69,18 +69,15 @@ def test_page_has_verdicts_first_and_provenance_last(sampling: Run) -> None:
 
 def test_a_notebook_shows_the_verdicts(sampling: Run) -> None:
     shown = sampling.report._repr_html_()
-    assert shown == sampling.report.fragment()
     assert "Only in combination: λ*, c" in shown
 
 
 def test_page_needs_nothing_else(swarm: Run) -> None:
-    reader = read(swarm.report.html())
+    reader = read(swarm.page)
     assert "script" not in reader.tags
     assert all(address.startswith(("#", "data:")) for address in reader.addresses)
-    assert "viewport" in swarm.report.html()
-    assert len(set(re.findall(r'\bid="([^"]+)"', swarm.report.html()))) == len(
-        re.findall(r'\bid="([^"]+)"', swarm.report.html())
-    )
+    assert "viewport" in swarm.page
+    assert len(set(re.findall(r'\bid="([^"]+)"', swarm.page))) == len(re.findall(r'\bid="([^"]+)"', swarm.page))
 
 
 def test_names_of_the_user_are_escaped(swarm: Run) -> None:
@@ -108,12 +105,12 @@ def test_a_swarm_ends_at_the_minimum_and_its_parameters_are_identified(swarm: Ru
 
 @pytest.mark.slow
 def test_report_of_2000_runs_is_small(sampling: Run) -> None:
-    assert len(sampling.report.html()) < 3e6
-    assert len(sampling.report.pdf()) < 3e6
+    assert len(sampling.page) < 3e6
+    assert len(sampling.pdf) < 3e6
 
 
 def test_pdf_is_one_and_has_pages_with_a_title(sampling: Run) -> None:
-    pdf = sampling.report.pdf()
+    pdf = sampling.pdf
     assert pdf.startswith(b"%PDF-")
     assert pdf.rstrip().endswith(b"%%EOF")
     pages = len(re.findall(rb"/Type\s*/Page\b", pdf))
@@ -124,7 +121,7 @@ def test_pdf_is_one_and_has_pages_with_a_title(sampling: Run) -> None:
 def test_a_run_without_success_has_a_report_that_says_so(failed: Run) -> None:
     assert failed.report.statistics is None
     assert failed.report.figures.names == ("convergence",)
-    text = " ".join(read(failed.report.html()).words)
+    text = " ".join(read(failed.page).words)
     assert "all 20 evaluations failed (20 not_finite)" in text
     assert "not finite" in text
     assert failed.report.pdf().startswith(b"%PDF-")

@@ -171,7 +171,7 @@ def test_an_interval_of_POP_is_moved_by_the_initial_stress() -> None:
 
 
 def test_the_report_of_a_test_has_table_figure_and_json(swarm: Run, tmp_path: Path) -> None:
-    page = swarm.report.html()
+    page = swarm.page
     (table,) = [t for t in swarm.report.content.tables if t.heading == "In the laboratory's terms"]
     symbols = ["Cc/(1 + e₀)", "Cs/(1 + e₀)", "Cα/(1 + e₀)", "σ′p"]
     assert [row[0] for row in table.rows] == [*symbols, "c_v", "k"]  # c_v and k of the readings alone
@@ -200,8 +200,8 @@ def test_a_report_says_that_primary_consolidation_is_not_modelled(swarm: Run, sa
     for run in (swarm, sampling):
         (note,) = [note for note in run.report.content.notes if words in note]
         assert "0 of 226 of settlement" in note
-        assert words in run.report.html()
-    assert words not in failed.report.html()
+        assert words in run.page
+    assert words not in failed.page
 
 
 def test_readings_from_a_later_zero_keep_their_void_ratio() -> None:

@@ -23,12 +23,18 @@ from tests.workers.problems import course, line
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
 
 
-@pytest.fixture
-def runner(misbehaving_models: None) -> Iterator[Runner]:  # noqa: ARG001
+@pytest.fixture(scope="module")
+def shared_runner() -> Iterator[Runner]:
     made = Runner()
-    made.start()
     yield made
     made.close()
+
+
+@pytest.fixture
+def runner(misbehaving_models: None, shared_runner: Runner) -> Runner:  # noqa: ARG001
+    """One fork server for all tests of this module, with a new evaluation process for each."""
+    shared_runner._kill()
+    return shared_runner
 
 
 def misbehaving(**section: Any) -> Calibration:
@@ -156,7 +162,6 @@ def test_a_killed_evaluation_process_or_fork_server_is_replaced(runner: Runner) 
     made = misbehaving()
     asked = positions(-1, -2)
     list(runner.run("job", made, asked, RunLimits()))
-    assert runner._fork_server is not None
     fork_server = runner._fork_server.pid
     os.kill(descendants(fork_server)[0], signal.SIGKILL)
     assert [o.evaluation.reason for o in runner.run("job", made, asked, RunLimits())] == [None, None]

@@ -69,7 +69,7 @@ def theirs(space: SearchSpace, function: Callable[[FloatArray], float], settings
 def test_it_needs_as_many_evaluations_as_another_implementation(name: str) -> None:
     dimension, half, function, settings = FUNCTIONS[name]
     space = box(dimension, half)
-    counts = np.array([[count(space, function, settings, seed) for count in (ours, theirs)] for seed in range(25)])
+    counts = np.array([[count(space, function, settings, seed) for count in (ours, theirs)] for seed in range(11)])
     mine, other = np.median(counts, axis=0)
     assert 0.75 < mine / other < 1.33
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,10 @@ pytestmark = pytest.mark.usefixtures("independent_noise")
 
 
 def fit(case: Certified) -> tuple[Polished, Linearisation]:
-    problem = parse_problem(case.document())
+    changes: dict[str, Any] = {"answer": {"max_evaluations": "off"}}  # what follows the search is done here
+    if case in QUICK:
+        changes["stopping"] = {"max_evaluations": 200}
+    problem = parse_problem(case.document(**changes))
     calibration = Calibration(problem, 1)
     best = calibrate(problem).best
     assert best is not None

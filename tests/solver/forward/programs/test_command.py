@@ -331,7 +331,7 @@ def test_a_pattern_that_would_take_for_ever_is_ended_with_its_name(tmp_path: Pat
 def test_the_limit_of_an_evaluation_tells_what_was_read(tmp_path: Path) -> None:
     search = {"method": {"kind": "monte_carlo", "samples": 1, "batch": 1}, "stopping": {}}
     document = problem(tmp_path, **HANGING).document() | {"limits": {"seconds_per_evaluation": 5.0}} | search
-    (one,) = [record.evaluation for record in calibrate(parse_problem(document, programs=True), workers=2).history]
+    (one,) = [record.evaluation for record in calibrate(parse_problem(document, programs=True)).history]
     assert one.reason == "timeout"
     assert one.message == (
         "ran for longer than 5 s (limits.seconds_per_evaluation) and was killed while reading series y from log.txt"
