@@ -138,9 +138,9 @@ def small_engine(factory: pytest.TempPathFactory) -> Iterator[Engine]:
         yield running
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
-    """An engine without keys, in which the tests of several files have their jobs."""
+    """An engine of a file; one that goes on would take what other tests of this process count (operations.tally)."""
     with small_engine(tmp_path_factory) as running:
         yield running
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 from geoswarm.api import ApiSettings
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.hosts.engine import Engine
-from tests.api.conftest import API, App, line_problem, small_engine, wait_for_end
+from tests.api.conftest import API, App, line_problem, wait_for_end
 from tests.solver.forward.continuum.bodies import OEDOMETER, ground
 
 
@@ -25,13 +24,6 @@ def loaded_ground(**changes: Any) -> dict[str, Any]:
         "method": {"kind": "monte_carlo", "samples": 3},
         "seed": 4,
     } | changes
-
-
-@pytest.fixture(scope="module")
-def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
-    """An engine of this file: the first key closes a service to those without one."""
-    with small_engine(tmp_path_factory) as running:
-        yield running
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -20,19 +19,12 @@ from geoswarm.workers.hosts.engine import Engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from tests.api.conftest import API, App, line_problem, small_engine, wait_for_end
+from tests.api.conftest import API, App, line_problem, wait_for_end
 
 STATIC = "environment-key-of-the-operator"
 
 
 BODIES: dict[str, dict[str, Any]] = {"predict": {"problem": {}}, "design": {"candidates": {}}}
-
-
-@pytest.fixture(scope="module")
-def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
-    """An engine of this file: the first key closes a service to those without one."""
-    with small_engine(tmp_path_factory) as running:
-        yield running
 
 
 class Users:

@@ -9,9 +9,14 @@ import pytest
 from geoswarm import Client
 from geoswarm.api import ApiSettings
 from geoswarm.workers.hosts.engine import Engine
-from tests.api.conftest import LiveServer, engine, live_server
+from tests.api.conftest import LiveServer, live_server, small_engine
 
-__all__ = ["client", "engine", "server"]
+
+@pytest.fixture(scope="package")
+def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
+    """An engine without keys, in which the tests of all files have their jobs."""
+    with small_engine(tmp_path_factory) as running:
+        yield running
 
 
 @pytest.fixture(scope="package")
