@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
@@ -41,6 +41,16 @@ Submit a problem, follow its events, read the best parameters. Units inside: kN,
 Errors are problem details (RFC 9457)."""
 
 
+def _operation_id(route: APIRoute) -> str:
+    return route.name
+
+
+ROUTES = APIRouter(generate_unique_id_function=_operation_id)
+"""All routes, put together once a process: an application that includes them itself builds all their models again."""
+for _router in (health_router, metrics_router, api_router, pages_router):
+    ROUTES.include_router(_router)
+
+
 def create_app(
     service: JobService,
     settings: ApiSettings | None = None,
@@ -70,7 +80,7 @@ def create_app(
         docs_url=None,  # these pages would load scripts from elsewhere
         redoc_url=None,
         redirect_slashes=False,
-        generate_unique_id_function=_operation_id,
+        routes=ROUTES.routes,
     )
     app.state.service = service
     app.state.settings = settings
@@ -80,10 +90,6 @@ def create_app(
     app.state.open_work = OpenWorkWatch(service, poll_seconds=settings.poll_seconds)
     app.state.handed_out = HandedOut(settings.signed_models)
     app.state.streams = Shares(settings.event_streams, settings.event_streams_per_key)
-    app.include_router(health_router)
-    app.include_router(metrics_router)
-    app.include_router(api_router)
-    app.include_router(pages_router)
     app.state.limiters = {}
     app.state.pool = pool
     app.state.assets = Assets()
@@ -106,10 +112,6 @@ def _version() -> str:
         return version("geoswarm")
     except PackageNotFoundError:  # a source tree that is not installed
         return "0"
-
-
-def _operation_id(route: APIRoute) -> str:
-    return route.name
 
 
 def _openapi(app: FastAPI) -> dict[str, Any]:

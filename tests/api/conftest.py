@@ -131,11 +131,17 @@ def wait_until(condition: Callable[[], bool], seconds: float = PATIENCE) -> None
     wait_for(condition, "what another thread does", seconds)
 
 
+@contextmanager
+def small_engine(factory: pytest.TempPathFactory) -> Iterator[Engine]:
+    """The embedded engine with one worker process."""
+    with open_engine(Settings(database_url=f"sqlite:///{factory.mktemp('engine')}/jobs.db", workers=1)) as running:
+        yield running
+
+
 @pytest.fixture(scope="module")
 def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
-    """The embedded engine with one worker process."""
-    folder = tmp_path_factory.mktemp("engine")
-    with open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1)) as running:
+    """An engine of a file; one that goes on would take what other tests of this process count (operations.tally)."""
+    with small_engine(tmp_path_factory) as running:
         yield running
 
 

@@ -61,8 +61,11 @@ def document(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.parametrize("changes", HOSTILE, ids=str)
-@pytest.mark.parametrize("route", ["problems/check", "jobs"])
+@pytest.mark.parametrize(
+    ("route", "changes"),
+    [*(("jobs", changes) for changes in HOSTILE), *(("problems/check", changes) for changes in HOSTILE[::7])],
+    ids=str,
+)
 def test_hostile_sections_are_refused(
     route: str, changes: dict[str, Any], document: dict[str, Any], app: App, tmp_path: Path
 ) -> None:

@@ -115,7 +115,7 @@ def test_a_job_is_paused_resumed_cancelled_and_goes_on(site: Site, visit: Visit,
     there = site.service.get(job_id).evaluations
     page.get_by_role("button", name="Continue").click()
     dialog = page.get_by_role("dialog")
-    check_accessibility(page)
+    check_accessibility(page, "dialog")
     dialog.get_by_label("Largest number of evaluations").fill("6")
     dialog.get_by_role("button", name="Continue").click()
     expect(dialog.get_by_role("alert")).to_contain_text("would end immediately by max_evaluations")
@@ -137,7 +137,7 @@ def test_why_a_job_failed_is_one_step_away(site: Site, visit: Visit, submit: Cal
     dialog = page.get_by_role("dialog", name="Generation 0, particle 0")
     expect(dialog).to_contain_text("Why it failed: not finite")
     expect(dialog.get_by_role("region", name="Attempts")).to_contain_text("not finite (counts)")
-    check_accessibility(page)
+    check_accessibility(page, "dialog")
     page.keyboard.press("Escape")
     expect(dialog).to_have_count(0)
     page.get_by_role("link", name="Search").click()

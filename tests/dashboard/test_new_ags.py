@@ -52,13 +52,13 @@ def test_a_specimen_replaces_the_problem_by_confirmation_and_undo_brings_it_back
     form.get_by_text("Not usable (2)").click()
     expect(form).to_contain_text("UU, total stresses: the effective stress before shearing is not known.")
     expect(form).to_contain_text("CONG_TYPE is SWELL, which is not a compression test in a ring.")
-    check_accessibility(page)
+    check_accessibility(page, ".ags")
     form.get_by_role("checkbox", name=FIRST).check()
     expect(form.get_by_role("status")).to_have_text("It makes a problem (oedometer) of 9 readings.")
     expect(form).to_contain_text("It replaces3 × triaxial, 199 readings, 5 parameters")
     expect(form).to_contain_text("1.2 kPa is assumed, a tenth of that of the first increment")
     expect(yaml(page)).to_have_value(before)  # nothing is taken yet
-    check_accessibility(page)
+    check_accessibility(page, ".ags")
     form.get_by_role("button", name="Replace the problem by 1 test", exact=True).click()
     expect(page.locator(".undo")).to_contain_text(f"{FIRST} of synthetic.ags has replaced what was here.")
     expect(page.locator(".observation")).to_contain_text("9 readings")
@@ -83,7 +83,7 @@ def test_several_specimens_become_one_problem(embedded: Site, visit: Visit) -> N
     expect(yaml(page)).to_have_value(re.compile("kind: combined"))
     expect(page.locator("#verdict")).to_contain_text("Complete")
     expect(page.locator("#file")).to_be_focused()
-    check_accessibility(page)
+    check_accessibility(page, ".observation")
 
 
 def test_all_of_it_by_keyboard(embedded: Site, visit: Visit) -> None:
@@ -125,7 +125,7 @@ def test_what_the_file_does_not_say_can_be_given(embedded: Site, visit: Visit) -
     expect(form.get_by_role("alert")).to_contain_text("is “much”: a number of kPa above 0 is accepted.")
     first.fill("2,5")
     form.get_by_label("Soil law").select_option(label="soft soil creep")
-    check_accessibility(page)
+    check_accessibility(page, ".ags")
     form.get_by_role("button", name="Take 1 test", exact=True).click()
     expect(yaml(page)).to_have_value(re.compile(r"initial_stress: 2\.5"))
     expect(yaml(page)).to_have_value(re.compile(r"soft_soil_creep"))
@@ -140,7 +140,7 @@ def test_readings_of_an_instrument_are_mapped_like_those_of_other_files(embedded
     mapping = page.locator(".mapping")
     expect(mapping.get_by_role("cell", name="3.214")).to_be_visible()
     expect(mapping.locator("legend")).to_have_text("BH3_P1_LEV.csv")
-    check_accessibility(page)
+    check_accessibility(page, ".mapping")
 
 
 def test_a_file_without_a_usable_test_says_so(embedded: Site, visit: Visit) -> None:
@@ -177,7 +177,7 @@ def test_a_broken_file_is_explained(embedded: Site, visit: Visit, data: bytes, m
     alert = page.locator("#measurements-body").get_by_role("alert")
     expect(alert).to_contain_text(message)
     expect(page.locator(".observation")).to_contain_text("226 readings")
-    check_accessibility(page)
+    check_accessibility(page, "#measurements-body")
 
 
 def test_a_file_is_known_by_its_first_line(embedded: Site, visit: Visit) -> None:

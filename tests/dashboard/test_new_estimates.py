@@ -26,6 +26,6 @@ def test_what_readings_and_index_properties_let_expect_stands_beside_the_bounds(
     expect(lambda_).to_contain_text("Cc: 0.009 (w_L - 10), Terzaghi & Peck (1967)")
     parameter = page.locator(".parameter", has=lambda_)
     expect(parameter).to_contain_text("PLAXIS Material Models Manual")  # the source of the usual range
-    check_accessibility(page)
+    check_accessibility(page, ".parameter")
     page.get_by_label("Liquid limit").fill("0.65")
     expect(page.locator('[data-error="index_properties"]')).to_contain_text("in per cent this would be 65")

@@ -94,7 +94,7 @@ def test_a_unit_of_another_dimension_blocks(embedded: Site, visit: Visit, headin
     mapping.get_by_label("Unit of y").fill("MPa")
     expect(mapping.get_by_role("alert")).to_contain_text("MPa is given, but settlement of settlement needs a unit")
     expect(page.locator("#take")).to_be_disabled()
-    check_accessibility(page)
+    check_accessibility(page, ".mapping")
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,7 @@ def test_a_unit_is_found_or_asked_for(embedded: Site, visit: Visit, heading: str
     if asked is not None:
         expect(mapping.locator(".todo")).to_have_text(asked)
         expect(take).to_be_disabled()
-        check_accessibility(page)
+        check_accessibility(page, ".mapping")
         mapping.get_by_label("Unit of y").fill("0.01 mm")
     take.click()
     expect(yaml(page)).to_have_value(re.compile(f'y_unit: "?{unit or "0.01 mm"}'))
@@ -175,7 +175,7 @@ def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
     mapping.get_by_label("Column of y", exact=True).select_option(label="Setzung [mm]")
     expect(mapping.get_by_role("alert")).to_contain_text("is in mm, but axial strain of axial_strain has no unit but %")
     expect(page.locator("#take")).to_be_disabled()
-    check_accessibility(page)
+    check_accessibility(page, ".mapping")
 
 
 @pytest.mark.parametrize(
@@ -188,7 +188,7 @@ def test_thousands_are_asked_for(embedded: Site, visit: Visit, answer: str, y: s
     mapping = drop(page, 'time [day],settlement [mm]\n1,"1,000"\n2,"2,000"\n')
     expect(mapping.get_by_text("“1,000” in settlement [mm] can be one thousand or one: say how")).to_be_visible()
     expect(page.locator("#take")).to_be_disabled()
-    check_accessibility(page)
+    check_accessibility(page, ".mapping")
     signs = mapping.get_by_label("How are numbers written?")
     signs.select_option(index=1 if "point" in answer else 2)
     expect(signs.locator("option:checked")).to_contain_text(answer)
@@ -206,7 +206,7 @@ def test_the_cover_of_a_workbook_is_passed_over_and_all_sheets_are_offered(embed
     expect(page.locator("#take")).to_be_disabled()
     page.locator(".mapping").get_by_label("Sheet").select_option("Readings")
     expect(page.locator("#take")).to_be_enabled()
-    check_accessibility(page)
+    check_accessibility(page, ".mapping")
 
 
 @pytest.mark.slow
@@ -241,7 +241,7 @@ def test_headings_that_say_nothing_are_not_guessed(embedded: Site, visit: Visit)
     expect(replace).to_be_disabled()
     mapping.get_by_label("Unit of x").fill("min")
     expect(replace).to_be_enabled()
-    check_accessibility(page)
+    check_accessibility(page, ".mapping")
 
 
 SPECIMENS = (
@@ -267,7 +267,7 @@ def test_specimens_two_gauges_times_and_gross_errors(embedded: Site, visit: Visi
     said = mapping.get_by_role("status")
     expect(said).to_contain_text("3 readings. 1 of them are gross errors.")
     expect(said).to_contain_text("Y is the difference of two columns: links [mm] less rechts [mm].")
-    check_accessibility(page)
+    check_accessibility(page, ".mapping")
     check_layout(page)
     page.locator("#take").click()
     area = yaml(page)
@@ -353,7 +353,7 @@ def test_readings_are_prepared_in_every_way_of_the_problem_file(embedded: Site, 
     page.get_by_label("Zero reading", exact=True).select_option(label="none")
     expect(yaml(page)).not_to_have_value(re.compile("y_zero"))
     expect(page.locator("#verdict")).to_contain_text("Complete")
-    check_accessibility(page)
+    check_accessibility(page, ".observation")
 
 
 def test_gross_errors_are_crosses_beside_the_test_run(embedded: Site, visit: Visit) -> None:
@@ -416,4 +416,4 @@ def test_removed_readings_come_back(embedded: Site, visit: Visit) -> None:
     expect(page.locator(".observation")).to_have_count(0)
     page.get_by_role("button", name="Undo", exact=True).click()
     expect(page.locator(".observation")).to_contain_text("226 readings")
-    check_accessibility(page)
+    check_accessibility(page, ".observation")

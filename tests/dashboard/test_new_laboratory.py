@@ -55,7 +55,7 @@ def check_calculates(page: Page) -> None:
     expect(page.locator("#verdict")).to_have_text("Complete and valid: ready to start.")
     page.get_by_role("button", name="Check", exact=True).click()
     expect(page.locator("#check-body")).to_contain_text("The forward calculation works", timeout=CALM)
-    check_accessibility(page)
+    check_accessibility(page, "#check-body")
 
 
 def test_a_triaxial_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:

@@ -56,7 +56,7 @@ def test_each_test_is_drawn_and_follows_what_is_typed(embedded: Site, visit: Vis
     page.locator(".step details").evaluate_all("(folds) => folds.forEach((fold) => { fold.open = true; })")
     fill(page, **{f"forward_model.{field}": value})
     expect(sketch.locator("svg text", has_text=re.compile(f"^{re.escape(then)}$")).first).to_be_visible()
-    check_accessibility(page)
+    check_accessibility(page, "#sketch")
     check_layout(page)
 
 

@@ -8,19 +8,18 @@ import pytest
 
 from geoswarm import Client
 from geoswarm.api import ApiSettings
-from geoswarm.workers.hosts.engine import Engine, open_engine
-from geoswarm.workers.settings import Settings
-from tests.api.conftest import LiveServer, live_server
+from geoswarm.workers.hosts.engine import Engine
+from tests.api.conftest import LiveServer, live_server, small_engine
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
-    folder = tmp_path_factory.mktemp("engine")
-    with open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1)) as running:
+    """An engine without keys, in which the tests of all files have their jobs."""
+    with small_engine(tmp_path_factory) as running:
         yield running
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def server(engine: Engine) -> Iterator[LiveServer]:
     with live_server(engine.service, ApiSettings(poll_seconds=0.05, heartbeat_seconds=0.3)) as running:
         yield running

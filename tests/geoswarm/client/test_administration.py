@@ -11,8 +11,15 @@ from geoswarm import AsyncClient, Client, InvalidProblemError, NotFoundError, Un
 from geoswarm.api import ApiSettings
 from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
 from geoswarm.workers.hosts.engine import Engine
-from tests.api.conftest import LiveServer, line_problem, live_server
+from tests.api.conftest import LiveServer, line_problem, live_server, small_engine
 from tests.integration.engines import PATIENCE
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
+    """An engine of this file: the first key closes a service to those without one."""
+    with small_engine(tmp_path_factory) as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

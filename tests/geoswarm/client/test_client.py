@@ -67,8 +67,8 @@ def test_submit_wait_and_read_the_result(client: Client) -> None:
     (last,) = client.generations(job.id, after=8, diversity=True)
     assert last.diversity is not None
     assert 0.0 < last.diversity < 1.8
-    (earlier,) = client.warm_starts(line_problem(method={"kind": "particle_swarm", "particles": 6}))
-    assert (earlier.job, earlier.evaluations) == (job.id, 60)
+    earlier = client.warm_starts(line_problem(method={"kind": "particle_swarm", "particles": 6}))
+    assert (job.id, 60) in [(one.job, one.evaluations) for one in earlier]
     assert client.get(job.id) == job
 
 
