@@ -11,15 +11,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import (
-    Browser,
-    BrowserContext,
-    ConsoleMessage,
-    Page,
-    Request,
-    Response,
-    sync_playwright,
-)
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request, Response, sync_playwright
 
 __all__ = ["Guard", "check_accessibility", "chromium", "guarded_context"]
 
@@ -100,8 +92,9 @@ def guarded_context(browser: Browser, origin: str, **options: Any) -> Iterator[t
 def check_accessibility(page: Page, place: str = "html") -> None:
     """No serious or critical finding of axe-core; what it finds in order is not gathered, which takes half its time.
 
-    Where the rest of a page is examined by another test, ``place`` selects what is new.
+    Where the rest of a page is examined by another test, ``place`` selects what is new; it is waited for.
     """
+    page.locator(place).first.wait_for()
     found = Axe().run(page, place, {"resultTypes": ["violations"], "preload": False}).response["violations"]
     serious = [
         f"{violation['id']}: {violation['help']}: {[node['html'][:160] for node in violation['nodes'][:3]]}"

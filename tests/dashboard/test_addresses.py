@@ -63,6 +63,8 @@ def test_an_evaluation_has_an_address(embedded: Site, visit: Visit, job: str) ->
 
 def test_a_problem_is_copied_and_a_plot_is_saved(embedded: Site, visit: Visit, job: str) -> None:
     page, _ = visit(embedded, f"/jobs/{job}", permissions=["clipboard-read", "clipboard-write"])
+    # before it is there, what stands below it moves, and a button may be elsewhere when the pointer is let go
+    expect(page.locator("#fit .main-svg").first).to_be_visible(timeout=SOON)
     texts = {}
     for name in ("YAML", "Python", "Command line", "curl"):
         page.get_by_role("button", name=name, exact=True).click()
@@ -73,7 +75,6 @@ def test_a_problem_is_copied_and_a_plot_is_saved(embedded: Site, visit: Visit, j
     compile(texts["Python"], "copied", "exec")
     assert "geoswarm submit problem.json" in texts["Command line"]
     assert f"{embedded.url}/api/v1/jobs" in texts["curl"]
-    expect(page.locator("#fit .main-svg").first).to_be_visible(timeout=SOON)
     starts = {"SVG": b"<svg", "PNG": b"\x89PNG", "CSV": b'"x'}
     for form, start in starts.items():
         with page.expect_download() as download:
