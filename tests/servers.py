@@ -328,10 +328,8 @@ class PostgresServer(Server):
         """Cut the connections that are left and delete all rows: a hundredth of the time of another database."""
         name = url.rsplit("/", 1)[-1]
         with psycopg.connect(self._dsn(name), autocommit=True) as connection:
-            cut = (
-                "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = %s AND pid <> pg_backend_pid()"
-            )
-            connection.execute(cut + " AND pid <> pg_backend_pid()", (name,))
+            others = "FROM pg_stat_activity WHERE datname = current_database() AND pid <> pg_backend_pid()"
+            connection.execute(f"SELECT pg_terminate_backend(pid) {others}")
             for table in tables[::-1]:
                 connection.execute(sql.SQL("DELETE FROM {}").format(sql.Identifier(table)))
 

@@ -22,7 +22,7 @@ import httpx
 
 from geoswarm.environment import without_secrets
 from geoswarm.solver.system.environment import numerics
-from geoswarm.solver.system.processes import descendants, kill_session, memory_of
+from geoswarm.solver.system.processes import child_program, descendants, kill_session, memory_of
 
 __all__ = ["PRINCIPAL_HEADER", "ROUTE_HEADER", "EndedError", "HeavyProcess"]
 
@@ -30,10 +30,7 @@ log = logging.getLogger(__name__)
 
 PRINCIPAL_HEADER = "x-geoswarm-principal"
 ROUTE_HEADER = "x-geoswarm-route"  # of the answer: the template of the route that answered
-BOOTSTRAP = (  # without looking for garbage among what imports leave, which would take a sixth of the start
-    "import gc, json, sys; gc.disable(); given = json.loads(sys.stdin.readline()); sys.path[:] = given['path'];"
-    "from geoswarm.api.heavy_program import main; gc.freeze(); gc.enable(); main(given)"
-)
+BOOTSTRAP = child_program("geoswarm.api.heavy_program")
 START_SECONDS = 120.0
 WATCH_SECONDS = 0.1
 GONE = frozenset(

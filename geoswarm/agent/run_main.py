@@ -23,16 +23,12 @@ from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
 from geoswarm.solver.system.activity import listen
-from geoswarm.solver.system.processes import adopt_orphans, die_with_parent, go_first_without_memory
+from geoswarm.solver.system.processes import adopt_orphans, child_program, die_with_parent, go_first_without_memory
 from geoswarm.solver.warm import compile_for
 
 __all__ = ["BOOTSTRAP", "main"]
 
-# It takes over the import path of the agent, which may not be installed but run from its sources.
-BOOTSTRAP = (
-    "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
-    "from geoswarm.agent.run_main import main; main(given)"
-)
+BOOTSTRAP = child_program("geoswarm.agent.run_main", "sys.argv[1]")
 LOG_TAIL = 8192  # bytes
 LARGEST_LOG = 16 * 2**20  # bytes
 

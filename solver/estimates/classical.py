@@ -92,12 +92,12 @@ def classical_evaluation(problem: Problem) -> Evaluated:
 
 
 def _with_early(observation: Observation) -> Observation:
-    """The observation with the points that ``stage_x_from`` leaves out among the others."""
-    x = np.concatenate([observation.x, observation.early_x])
-    order = np.argsort(x, kind="stable")
-    y = np.concatenate([observation.y, observation.early_y])
-    weights = np.concatenate([observation.point_weights, np.ones(len(observation.early_x))])
-    return replace(observation, x=x[order], y=y[order], point_weights=weights[order])
+    """The observation with the points that ``stage_x_from`` leaves out first: the last of each stage stays its last."""
+    return replace(
+        observation,
+        x=np.concatenate([observation.early_x, observation.x]),
+        y=np.concatenate([observation.early_y, observation.y]),
+    )
 
 
 def calculated_problem(problem: Problem, responses: Mapping[str, FloatArray]) -> Problem:

@@ -206,14 +206,13 @@ def _build(
     if issues:
         return None, issues
     x, y = converted
-    chosen, issues = chosen_points(section, path, x, units["x"], info, spec)
+    chosen, early, issues = chosen_points(section, path, x, units["x"], info, spec)
     if issues:
         return None, issues
-    early = chosen_points(section.model_copy(update={"stage_x_from": None}), path, x, units["x"], info, spec)[0]
     gross = np.zeros(len(x), dtype=np.bool_)
     gross[list(points.gross_errors)] = True
     gross_x, gross_y = x[gross], y[gross]
-    early &= ~(chosen | gross)
+    early &= ~gross
     early_x, early_y = x[early], y[early]
     chosen &= ~gross
     kept = np.flatnonzero(chosen)

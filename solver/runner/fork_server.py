@@ -22,17 +22,21 @@ from typing import Any
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.forward.registry import find_spec
 from geoswarm.solver.runner.output import shorten
+from geoswarm.solver.system.processes import (
+    adopt_orphans,
+    child_program,
+    die_with_parent,
+    kill_descendants,
+    reap,
+    wake_with_parent,
+)
 from geoswarm.solver.warm import run_sample
 
 __all__ = ["BOOTSTRAP", "FORK", "KERNELS", "KILL", "MODEL", "STATUS", "main"]
 
 log = logging.getLogger(__name__)
 
-# What runs a fork server; it takes over the worker's import path, as the program may run from its sources.
-BOOTSTRAP = (
-    "import gc, json, sys; gc.disable(); given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
-    "from geoswarm.solver.runner.fork_server import main; main(given)"
-)
+BOOTSTRAP = child_program("geoswarm.solver.runner.fork_server", "sys.argv[1]")
 FORK = b"f"
 KILL = b"k"
 KERNELS = b"l"
@@ -53,7 +57,6 @@ def main(given: Mapping[str, Any]) -> None:
     """Serve one worker over the socket whose descriptor is ``given``, until it closes."""
     # What all evaluation processes need is loaded here, and what those of a job need when the job is known.
     from geoswarm.solver.runner import child
-    from geoswarm.solver.system.processes import adopt_orphans, kill_descendants, reap, wake_with_parent
 
     adopt_orphans()
     wake_with_parent()
@@ -62,7 +65,6 @@ def main(given: Mapping[str, Any]) -> None:
     logging.basicConfig(level=logging.WARNING)
     for message, name in given["loaded"]:
         _load(message.encode(), name)
-    gc.enable()  # off while importing, as it would find nothing
     control = socket.socket(fileno=given["control"])
     ended: dict[int, int] = {}
     current, output = 0, -1
@@ -140,7 +142,6 @@ def _process_descriptor(pid: int) -> list[int]:
 def _become_child(serve: Any, connection: int, output: int, memory: int) -> None:
     """Turn this fork into an evaluation process; does not return."""
     from geoswarm.solver.runner.shared_state import SharedState
-    from geoswarm.solver.system.processes import adopt_orphans, die_with_parent
 
     code = 1
     try:

@@ -20,6 +20,7 @@ from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.wire import readable
 from geoswarm.solver.system.environment import numerics
+from geoswarm.solver.system.processes import child_program
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
@@ -32,13 +33,8 @@ __all__ = ["PipeDoorbell", "Supervisor"]
 
 log = logging.getLogger(__name__)
 
-# The child takes over the parent's import path, as it may not be installed but run from its sources. What it needs
-# comes over its standard input, which then stays open: its end tells that the parent has died. Looking for
-# garbage among what imports leave would take a sixth of the start.
-BOOTSTRAP = (
-    "import gc, json, sys; gc.disable(); given = json.loads(sys.stdin.readline()); sys.path[:] = given['path'];"
-    "from geoswarm.workers.hosts.embedded_worker import main; gc.freeze(); gc.enable(); main(given)"
-)
+# What it needs comes over its standard input, which then stays open: its end tells that the parent has died.
+BOOTSTRAP = child_program("geoswarm.workers.hosts.embedded_worker")
 WATCH_SECONDS = 0.05
 SHORT_LIFE_SECONDS = 10.0
 LONGEST_BACK_OFF_SECONDS = 5.0

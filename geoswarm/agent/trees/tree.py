@@ -15,16 +15,13 @@ import psutil
 
 from geoswarm.agent.trees.job_object import JobObject, has_job_objects
 from geoswarm.agent.trees.keeper import ENDING, ENDING_SECONDS
-from geoswarm.solver.system.processes import memory_below, memory_of
+from geoswarm.solver.system.processes import child_program, memory_below, memory_of
 
 __all__ = ["Tree", "kill_all_below", "start_tree"]
 
 END_SECONDS = ENDING_SECONDS + 5.0
 KILL_SECONDS = 3.0
-KEEPER = (
-    "import json, sys; given = json.loads(sys.argv[1]); sys.path[:] = given['path'];"
-    "from geoswarm.agent.trees.keeper import main; main(given)"
-)
+KEEPER = child_program("geoswarm.agent.trees.keeper", "sys.argv[1]")
 
 
 class Tree(Protocol):

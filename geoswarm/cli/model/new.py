@@ -69,14 +69,15 @@ def new_command(call: str, example: Path, marks: tuple[str, ...], result: str, o
         raise BadInputError("--run is empty; give the program and its arguments")
     chosen = [parse_mark(text) for text in (marks or _asked())]
     template = marked(_text(example), chosen, example.name)
-    own = _own_files(arguments, Path()) or _own_files(arguments, output)
-    copied = [name for name in own if not (output / name).exists()]
+    here = _own_files(arguments, Path())
+    own = here or _own_files(arguments, output)
+    copied = [] if output.resolve() == Path.cwd() else here
     files = {
         f"{example.name}.in": template,
         "readings.csv": "x,y\n1,0.0\n2,0.0\n",
         "problem.yaml": problem_text(arguments, own, example.name, chosen, result),
     }
-    there = [str(output / name) for name in files if (output / name).exists()]
+    there = [str(output / name) for name in (*files, *copied) if (output / name).exists()]
     if there:
         raise BadInputError(f"{', '.join(there)}: there already, and never overwritten; give another --output DIR")
     output.mkdir(parents=True, exist_ok=True)

@@ -25,8 +25,8 @@ SELECTION = ("x_from", "x_to", "stage_x_from", "leave_out_stages")
 
 def chosen_points(
     section: ObservationSection, path: str, x: FloatArray, unit: str | None, info: SeriesInfo, spec: ForwardModelSpec
-) -> tuple[BoolArray, list[Issue]]:
-    """Whether each point takes part, shape (m,), and what is wrong with the choice.
+) -> tuple[BoolArray, BoolArray, list[Issue]]:
+    """Whether each point takes part, whether ``stage_x_from`` alone leaves it out, shapes (m,), and what is wrong.
 
     Parameters
     ----------
@@ -37,10 +37,10 @@ def chosen_points(
     unit
         Of the data, in which the choice is given; None: the base unit.
     """
-    chosen = np.ones(len(x), dtype=np.bool_)
+    chosen, late = np.ones((2, len(x)), dtype=np.bool_)
     low, high = section.x_from, section.x_to
     if low is not None and high is not None and low > high:
-        return chosen, [Issue(f"{path}.x_to", f"{number(high)} is below x_from, {number(low)}")]
+        return chosen, ~late, [Issue(f"{path}.x_to", f"{number(high)} is below x_from, {number(low)}")]
     if low is not None or high is not None:
         given = x if unit is None else convert(x, info.x_unit, unit)
         slack = 1e-9 * float(np.abs(given).max(initial=0.0))
@@ -55,16 +55,18 @@ def chosen_points(
             stages = stage_of(x, starts)
         else:
             why = f"series '{section.series}' does not run over the time of a test in stages"
-            return chosen, [Issue(f"{path}.{staged}", f"{why}; use x_from and x_to")]
+            return chosen, ~late, [Issue(f"{path}.{staged}", f"{why}; use x_from and x_to")]
         if section.stage_x_from is not None:
             since = x - starts[stages - 1]
             least = section.stage_x_from
             if unit is not None:
                 zero, moved = convert([0.0, least], unit, info.x_unit)
                 least = float(moved - zero)
-            chosen &= since >= least * (1.0 - 1e-9)
+            late = since >= least * (1.0 - 1e-9)
         chosen &= ~np.isin(stages, section.leave_out_stages)
+    early = chosen & ~late
+    chosen &= late
     if not chosen.any():
         named = ", ".join(name for name in SELECTION if getattr(section, name))
-        return chosen, [Issue(f"{path}.{named.split(', ')[0]}", f"{named}: no point is left of {len(x)}")]
-    return chosen, []
+        return chosen, early, [Issue(f"{path}.{named.split(', ')[0]}", f"{named}: no point is left of {len(x)}")]
+    return chosen, early, []

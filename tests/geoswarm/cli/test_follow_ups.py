@@ -10,6 +10,7 @@ import pytest
 from geoswarm.cli import main
 from geoswarm.client import Client
 from tests.api.test_uncertainty import noisy, textbook
+from tests.geoswarm.cli.conftest import without_figures
 from tests.geoswarm.client.conftest import client, engine, server
 from tests.integration.engines import PATIENCE
 
@@ -22,8 +23,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("run")
     path = place / "problem.json"
     path.write_text(json.dumps(noisy()), encoding="utf-8")
-    with pytest.MonkeyPatch.context() as tables_only:
-        tables_only.setattr("geoswarm.cli.local.run.figures_missing", lambda _what: "figures are not wanted here")
+    with without_figures():
         assert main(["run", str(path), "--output", str(place / "out"), "--json"]) == 0
     return place / "out"
 

@@ -188,3 +188,7 @@ def test_what_the_call_names_is_copied_into_another_folder(folder: Path, capsys:
     assert "files: [settle]" in text
     assert main(["model", "try", "other/problem.yaml"]) == 0
     assert "calculated" in capsys.readouterr().out
+    (folder / "third").mkdir()
+    (folder / "third" / "settle").write_text("another program")
+    assert main(["model", "new", *call, "--output", "third"]) == 2
+    assert "third/settle: there already, and never overwritten" in capsys.readouterr().err

@@ -21,10 +21,7 @@ from tests.contracts.repository import ROOT
 from tests.geoswarm.cli.interruptions import history
 from tests.solver.problems import decay_document
 
-
-@pytest.fixture(autouse=True)
-def tables_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("geoswarm.cli.local.run.figures_missing", lambda _what: "figures are not wanted here")
+pytestmark = pytest.mark.usefixtures("tables_only")
 
 
 def write(folder: Path, **changes: Any) -> str:

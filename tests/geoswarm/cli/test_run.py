@@ -22,11 +22,6 @@ KEYS = [
 ]
 
 
-@pytest.fixture
-def tables_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("geoswarm.cli.local.run.figures_missing", lambda _what: "figures are not wanted here")
-
-
 def write(folder: Path, **changes: Any) -> str:
     path = folder / "problem.json"
     path.write_text(json.dumps(decay_document(**changes)), encoding="utf-8")

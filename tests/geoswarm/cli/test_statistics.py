@@ -9,6 +9,7 @@ import pytest
 
 from geoswarm.cli import main
 from geoswarm.solver.problem import FixedParameter, LinkedParameter, load_problem
+from tests.geoswarm.cli.conftest import without_figures
 from tests.solver.problems import decay_document
 
 
@@ -24,8 +25,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     document["parameters"]["k"] = {"lower": 0.2, "upper": 5, "scale": "log"}
     path = place / "problem.json"
     path.write_text(json.dumps(document), encoding="utf-8")
-    with pytest.MonkeyPatch.context() as tables_only:
-        tables_only.setattr("geoswarm.cli.local.run.figures_missing", lambda _what: "figures are not wanted here")
+    with without_figures():
         assert main(["run", str(path), "--output", str(place / "out"), "--json"]) == 0
     return place / "out"
 
