@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from itertools import islice
 
 __all__ = [
+    "FITS",
     "REASONS",
     "VERDICTS",
     "csv_cell",
@@ -34,6 +35,16 @@ VERDICTS = {
     "error_not_met": "stated error not met",
 }
 """Kind of verdict -> words."""
+
+FITS = {
+    "describes": "the model describes the data",
+    "gross_error": "without the readings that the others exclude, the model describes the data",
+    "doubtful": "whether the model describes the data is doubtful",
+    "lack_of_fit": "the model does not describe the data, so no interval holds",
+    "error_not_met": "the stated error is not met, so no interval holds",
+    "untested": "whether the model describes the data has not been tested",
+}
+"""Kind of the verdict on the fit -> words."""
 
 REASONS = {
     "max_evaluations": "maximum number of evaluations reached",

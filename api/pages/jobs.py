@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 
 from geoswarm.api.dependencies import Service
-from geoswarm.api.pages.shell import render
+from geoswarm.api.pages.shell import number, render
 from geoswarm.api.pages.sparkline import sparkline
+from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, JOB_STATES, OPEN_STATES
+from geoswarm.solver.words import FITS, ends
 from geoswarm.workers.queries.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
@@ -28,6 +31,40 @@ SORTS: dict[SortKey, str] = {
     "name": "Name, A to Z",
 }
 GROUPS = {"active": OPEN_STATES, "ended": ENDED_STATES}
+MOST_PARAMETERS = 4
+MOST_SERIES = 2
+BADGES = {
+    "describes": "describes",
+    "gross_error": "gross error",
+    "doubtful": "doubtful",
+    "lack_of_fit": "misses",
+    "error_not_met": "error not met",
+    "untested": "not tested",
+}
+"""Kind of the verdict on the fit -> what the list shows."""
+
+
+@dataclass(frozen=True, slots=True)
+class FoundValue:
+    """A free parameter in the list: its value, the ends of its interval (empty: none), the bound at which it lies."""
+
+    name: str
+    value: str
+    ends: tuple[str, ...]
+    bound: str | None
+
+
+def found(job: Job) -> list[FoundValue]:
+    """Return the first free parameters of a job, none before an evaluation has succeeded."""
+    if job.parameters is None:
+        return []
+    values = []
+    for name in job.free_parameters[:MOST_PARAMETERS]:
+        value, interval = job.parameters[name], (job.intervals or {}).get(name)
+        told = () if interval is None else ends(*interval, plain=True)
+        digits = max((len(one.partition("e")[0].strip("-").replace(".", "").lstrip("0")) for one in told), default=4)
+        values.append(FoundValue(name, number(value, digits), told, (job.at_bounds or {}).get(name)))
+    return values
 
 
 @router.get("/")
@@ -69,5 +106,10 @@ def jobs_page(
         states=[*GROUPS, *JOB_STATES],
         sorts=SORTS,
         sparkline=sparkline,
+        found=found,
+        most=MOST_PARAMETERS,
+        most_series=MOST_SERIES,
+        fits=FITS,
+        badges=BADGES,
         owners=request.app.state.authenticator.needed,
     )

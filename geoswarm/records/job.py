@@ -6,6 +6,7 @@ from datetime import datetime
 
 from geoswarm.records.record import Number, record, told
 from geoswarm.records.states import ENDED_STATES, JobState
+from geoswarm.records.statistics import FitKind, SeriesShare
 
 __all__ = ["Job", "Retry", "SearchBest"]
 
@@ -39,6 +40,11 @@ class Job:
     )
     verdicts: dict[str, str] | None = told(
         "kinds of the verdicts on the free parameters then; statistics have the sentences, and what follow-ups add",
+        default=None,
+    )
+    fit: FitKind | None = told("kind of the verdict on the fit then", default=None)
+    shares: list[SeriesShare] | None = told(
+        "root mean square of each series then, and its share in the objective",
         default=None,
     )
     search_best: SearchBest | None = told("best of the search alone, where further runs followed it", default=None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from geoswarm.records.record import Number, record, told
 
@@ -13,6 +13,7 @@ __all__ = [
     "CorrelationTable",
     "Dependence",
     "Evidence",
+    "FitKind",
     "FitVerdict",
     "FittedLine",
     "KnownOrEstimated",
@@ -33,6 +34,9 @@ __all__ = [
     "Verdict",
     "WeightShare",
 ]
+
+FitKind: TypeAlias = Literal["describes", "gross_error", "doubtful", "lack_of_fit", "error_not_met", "untested"]
+"""What is said of a fit: whether the model describes the data."""
 
 
 @record(closed=True)
@@ -216,7 +220,7 @@ class Misfit:
 class FitVerdict:
     """Whether the model describes the data; it comes before all other verdicts."""
 
-    kind: Literal["describes", "gross_error", "doubtful", "lack_of_fit", "error_not_met", "untested"]
+    kind: FitKind
     words: str = told("the kind in a clause")
     headline: str = told("what stands above all results; empty where nothing has to")
     sentence: str

@@ -12,7 +12,7 @@ from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.units import convert
 from geoswarm.solver.words import listed
 
-__all__ = ["DOES_NOT_HOLD", "FITS", "SHORT", "UNITS_FIRST", "Misfit", "headline_of", "remedies_of", "sentence_of"]
+__all__ = ["DOES_NOT_HOLD", "SHORT", "UNITS_FIRST", "Misfit", "headline_of", "remedies_of", "sentence_of"]
 
 _NO_UNITS = ("", "1", "-", "dimensionless")
 _MOST_NAMED = 3
@@ -35,18 +35,8 @@ _HEADLINES = {
     "doubtful": "The fit is doubtful",
 }
 
-FITS = {
-    "describes": "the model describes the data",
-    "gross_error": "without the readings that the others exclude, the model describes the data",
-    "doubtful": "whether the model describes the data is doubtful",
-    "lack_of_fit": "the model does not describe the data, so no interval holds",
-    "error_not_met": "the stated error is not met, so no interval holds",
-    "untested": "whether the model describes the data has not been tested",
-}
-"""Kind of the verdict on the fit -> words."""
-
 SHORT = {"lack_of_fit": "model does not fit", "error_not_met": "stated error not met", "doubtful": "fit doubtful"}
-"""The same in the heading of a column."""
+"""The kind of the verdict on the fit in the heading of a column."""
 
 
 @dataclass(frozen=True, slots=True)

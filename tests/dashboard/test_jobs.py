@@ -51,6 +51,29 @@ def test_jobs_are_searched_and_sorted_without_a_reload(embedded: Site, visit: Vi
     check_accessibility(page)
 
 
+def test_the_list_shows_values_with_intervals_and_how_far_to_trust_them(embedded: Site, visit: Visit) -> None:
+    readings = {"x": [0, 1, 2, 3, 4, 5], "y": [1.02, 2.95, 5.03, 6.99, 9.04, 10.97]}
+    document = textbook(
+        name="a line with its answer", observations=[{"series": "y", "points": readings}],
+        stopping={"max_evaluations": 240}, answer={},
+    )  # fmt: skip
+    job_id = embedded.service.submit(parse_problem(document))[0].id
+    wait_for_end(embedded.service, job_id)
+    job = embedded.service.get(job_id)
+    assert job.parameters is not None
+    assert job.intervals is not None
+    page, _ = visit(embedded, "/?q=with+its+answer")
+    values = page.locator(f"tr[data-job='{job_id}'] .values > span")
+    expect(values).to_have_count(2)
+    for place, name in enumerate(("a", "b")):
+        shown = [float(one) for one in re.findall(r"-?\d+\.?\d*", values.nth(place).inner_text())]
+        assert shown == pytest.approx([job.parameters[name], *(job.intervals[name] or ())], abs=0.006)
+    fit = page.locator(f"tr[data-job='{job_id}'] .fit")
+    expect(fit.locator(".badge")).to_have_text("describes")
+    assert float(fit.locator("small").inner_text()) == pytest.approx((job.objective or 0.0) ** 0.5, rel=0.01)
+    check_accessibility(page)
+
+
 def test_a_new_job_appears_and_ends_by_itself_while_the_choice_stays(
     embedded: Site, visit: Visit, ids: list[str]
 ) -> None:

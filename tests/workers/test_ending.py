@@ -52,8 +52,12 @@ def test_a_job_that_ended_with_its_answer_goes_on_with_its_search(service: JobSe
     worker.serve(job_id)
     ended = service.get(job_id)
     assert set(ended.verdicts or {}) == {"a", "b"}
+    assert ended.fit is not None
+    assert ended.shares is not None
+    # all weights are 1: the objective is the square of the root mean square
+    assert ended.shares[0].root_mean_square == pytest.approx((ended.objective or 0.0) ** 0.5)
     again = service.change_stopping(job_id, Stopping.model_validate(more))
-    assert (again.state, again.verdicts, again.search_evaluations) == ("running", None, None)
+    assert (again.state, again.verdicts, again.fit, again.search_evaluations) == ("running", None, None, None)
     worker.serve(job_id)
     view = service.get(job_id)
     assert view.state == "finished"
@@ -99,7 +103,7 @@ def test_a_fault_of_the_statistics_leaves_the_result_of_a_job(
     job_id = service.submit(line(observations=readings, stopping={"max_evaluations": 80}, answer={}))[0].id
     make_worker().serve(job_id)
     view = service.get(job_id)
-    assert (view.state, view.intervals, view.verdicts) == ("finished", None, None)
+    assert (view.state, view.intervals, view.verdicts, view.fit, view.shares) == ("finished", *[None] * 4)
     assert view.search_best is not None
     assert "SVD did not converge" in caplog.text
 

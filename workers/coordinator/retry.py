@@ -156,7 +156,7 @@ def finish_retry(
         "rung_at": None,
     }
     if row.conclusion is not None and reasons.total() != row.failed_evaluations:  # statistics know more now
-        values["conclusion"] = pack_json(unpack_json(row.conclusion) | {"intervals": None, "verdicts": None})
+        values["conclusion"] = pack_json({"search_best": unpack_json(row.conclusion)["search_best"]})
     if best is not None and problem is not None:
         parameters = problem.values(best.parameters.tolist())
         values |= {

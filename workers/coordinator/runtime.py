@@ -365,8 +365,7 @@ def _conclusion(course: Course, transition: Transition, runs: Runs | None) -> di
     except Exception:  # statistics must not take the result from a job whose runs have all ended
         logger.exception("no intervals at the end of %s", course.problem.name)
         found = None
-    intervals, verdicts = (None, None) if found is None else (found.intervals, found.kinds)
-    return {"intervals": intervals, "verdicts": verdicts, "search_best": search_best}
+    return ({} if found is None else found.conclusion()) | {"search_best": search_best}
 
 
 def _admitted(connection: Connection, asked: Asked) -> bool:

@@ -15,6 +15,7 @@ from geoswarm.records.event import Event
 from geoswarm.records.generation import Generation
 from geoswarm.records.job import Job, SearchBest
 from geoswarm.records.record import Number
+from geoswarm.records.statistics import SeriesShare
 from geoswarm.records.worker import AgentSlot, Worker
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.queries.versions import recorded_versions, version_warnings
@@ -44,6 +45,8 @@ def job_view(row: Record, gap: float) -> Job:
         at_bounds=None if row.at_bounds is None else unpack_json(row.at_bounds),
         intervals=intervals and {name: ends and (ends[0], ends[1]) for name, ends in intervals.items()},
         verdicts=conclusion.get("verdicts"),
+        fit=conclusion.get("fit"),
+        shares=conclusion.get("shares") and [SeriesShare(**share) for share in conclusion["shares"]],
         search_best=conclusion.get("search_best") and SearchBest(**conclusion["search_best"]),
         evaluations=row.evaluations,
         search_evaluations=row.search_evaluations,

@@ -96,7 +96,7 @@ jobs = Table(
     Column("search_evaluations", BigInteger),  # and at most how many follow; null: the search goes on, or none do
     Column("answer_evaluations", BigInteger),
     Column("at_bounds", Text),  # those of the parameters that lie at a bound, with it; null: not recorded
-    Column("conclusion", Text),  # intervals, verdicts, best of the search; null: none followed it
+    Column("conclusion", Text),  # intervals, verdicts, fit, best of the search; null: none followed it
     # times; run_seconds is complete up to clock_at
     Column("created_at", Double, nullable=False),
     Column("started_at", Double),

@@ -1,6 +1,6 @@
 // The list of jobs: kept up to date while somebody looks, filtered without a reload, and where jobs to compare are chosen.
 import { announce, confirmed, connection, once } from "./dom.js";
-import { age, moment } from "./format.js";
+import { age, moment, symbol } from "./format.js";
 import { post, send } from "./http.js";
 import { renew } from "./renew.js";
 
@@ -17,6 +17,7 @@ function dress() {
     place.textContent = age(place.dateTime);
     place.title = moment(place.dateTime);
   }
+  for (const place of list.querySelectorAll("[data-symbol]")) place.textContent = symbol(place.dataset.symbol);
   for (const box of boxes()) box.checked = chosen.has(box.value);
   tell();
 }

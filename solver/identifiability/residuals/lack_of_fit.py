@@ -17,7 +17,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability.misfits import FITS, UNITS_FIRST, Misfit, headline_of, remedies_of, sentence_of
+from geoswarm.solver.identifiability.misfits import UNITS_FIRST, Misfit, headline_of, remedies_of, sentence_of
 from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, excluded_readings
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
 from geoswarm.solver.identifiability.residuals.readings import (
@@ -43,6 +43,7 @@ from geoswarm.solver.identifiability.residuals.residual_tests import (
 from geoswarm.solver.plausibility.readings import doubtful_readings
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
+from geoswarm.solver.words import FITS
 
 __all__ = ["LEVEL", "FitKind", "FitVerdict", "examine_fit", "unfit_readings", "untested"]
 

@@ -184,6 +184,15 @@ class Statistics:
         """Kind of the verdict on each free parameter."""
         return {verdict.parameter: verdict.kind for verdict in self.verdicts}
 
+    def conclusion(self) -> dict[str, Any]:
+        """What a search says at its end, as plain JSON: intervals, kinds of the verdicts, and the fit."""
+        return {
+            "intervals": self.intervals,
+            "verdicts": self.kinds,
+            "fit": self.fit.kind,
+            "shares": [asdict(share) for share in self.weights],
+        }
+
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values, without the samples themselves; None for what is not known."""
         filtered = self.filtered
