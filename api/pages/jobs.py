@@ -13,7 +13,7 @@ from geoswarm.api.pages.shell import number, render
 from geoswarm.api.pages.sparkline import sparkline
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, JOB_STATES, OPEN_STATES
-from geoswarm.solver.words import FITS, ends
+from geoswarm.solver.words import FITS, ends, verdict_in_words
 from geoswarm.workers.queries.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
@@ -46,12 +46,12 @@ BADGES = {
 
 @dataclass(frozen=True, slots=True)
 class FoundValue:
-    """A free parameter in the list: its value, the ends of its interval (empty: none), the bound at which it lies."""
+    """A free parameter in the list: its value, the ends of its interval (empty: none), and what is wrong with it."""
 
     name: str
     value: str
     ends: tuple[str, ...]
-    bound: str | None
+    doubt: str | None
 
 
 def found(job: Job) -> list[FoundValue]:
@@ -63,7 +63,9 @@ def found(job: Job) -> list[FoundValue]:
         value, interval = job.parameters[name], (job.intervals or {}).get(name)
         told = () if interval is None else ends(*interval, plain=True)
         digits = max((len(one.partition("e")[0].strip("-").replace(".", "").lstrip("0")) for one in told), default=4)
-        values.append(FoundValue(name, number(value, digits), told, (job.at_bounds or {}).get(name)))
+        bound, kind = (job.at_bounds or {}).get(name), (job.verdicts or {}).get(name, "identified")
+        doubt = f"at its {bound} bound" if bound else None if kind == "identified" else verdict_in_words(kind)
+        values.append(FoundValue(name, number(value, digits), told, doubt))
     return values
 
 

@@ -15,17 +15,14 @@ from geoswarm.api.errors import DetailError
 from geoswarm.api.headers import PLOT_POLICY
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES, OPEN_STATES
+from geoswarm.solver.words import number as plain_number
 
 __all__ = ["error_page", "number", "progress", "render", "words"]
 
 
 def number(value: float | None, digits: int = 4) -> str:
     """A number for readers; a dash for None."""
-    if value is None:
-        return "–"
-    text = f"{value:.{digits}g}"
-    mantissa, exponential, exponent = text.partition("e")
-    return f"{mantissa}e{int(exponent)}" if exponential else text  # 2.453e-9, as the scripts write it
+    return "–" if value is None else plain_number(value, digits, plain=True)  # as the scripts write it
 
 
 def words(name: str) -> str:

@@ -57,7 +57,7 @@ export function anyField(context, path, given, { label, required = false, bare =
 export function labelOf(key) {
   const known = symbol(key);
   if (known !== key || key.length < 3) return known;
-  return key[0].toUpperCase() + words(key.slice(1));
+  return (key[0].toUpperCase() + words(key.slice(1))).replace(/^Crs\b/, "CRS");
 }
 
 export function sentence(text) {
