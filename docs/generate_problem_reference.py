@@ -154,7 +154,8 @@ limits: {seconds_per_evaluation: 600, memory_mb: 2000}
 
 FAILURES = """
 A failed evaluation is data: it has a reason, the search treats it as infinitely bad and continues. A job without one
-success ends failed.
+success ends failed, and that after its first generation if a program fails in all of it (five runs or more that are
+`not_started`, `program_failed`, `no_output` or `bad_output`).
 
 | reason | meaning |
 | --- | --- |

@@ -176,10 +176,15 @@ def _listed(files: list[Path]) -> str:
 def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]:
     """Show progress; when the user interrupts, tell the best found so far."""
 
+    from geoswarm.solver.progress.result import alike_warning
+
     last: list[GenerationRecord] = []
     with progress_bar(problem.name, problem.planned_evaluations) as update:
 
         def on_generation(record: GenerationRecord) -> None:
+            alike = alike_warning(record.alike)
+            if alike is not None and not (last and alike_warning(last[0].alike)):
+                note(f"{alike[0].upper()}{alike[1:]}")
             last[:] = [record]
             stage = record.search_evaluations, record.answer_evaluations
             update(record.evaluations, record.number, record.objective, *stage)
