@@ -43,7 +43,7 @@ REASONS = {
     "samples_completed": "all samples evaluated",
     "polished": "polished to a local minimum",
     "polish_unfinished": "polishing ended before a minimum",
-    "all_failed": "every run of the program failed",
+    "all_failed": "every run failed",
     "design_completed": "all planned evaluations made",
 }
 """Stop reason -> words."""

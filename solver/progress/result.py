@@ -153,5 +153,5 @@ def no_success_message(reasons: Counter[str], first_message: str | None) -> str:
     counts = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
     message = f"all {reasons.total()} evaluations failed ({counts})"
     if fails_always(reasons, reasons.total()):
-        message += ", which ends the search: the program fails whatever the parameters are"
+        message += ", which ends the search: the forward model fails whatever the parameters are"
     return f"{message}; first message: {first_message}" if first_message else message
