@@ -113,7 +113,9 @@ inside a number has split it. The file's path is relative to the problem file.
 ### Readings in disorder, or very many
 
 `sort: true` puts readings in the order of x. Where several have one x, `repeated_x: average` takes their mean and
-`shift` spreads them evenly up to the next x. A logger's many readings become few by `resample: {per_decade: 20}`,
+`shift` spreads them evenly up to the next x. No mean is taken across a load of a test in stages: different readings at
+its moment need `shift`, by which the first is the one before the load. A logger's many readings become few by
+`resample: {per_decade: 20}`,
 means of the readings in intervals of equal length in log x, or `{every: 10}`, of so many in a row; above 20 000
 points of a series a warning asks for it. Thinning does not change the weight of a series: the weights w_h of the
 points follow the number of readings behind each, with a mean of 1. If the `error` of a reading is stated, that of a
@@ -152,7 +154,8 @@ limits: {seconds_per_evaluation: 600, memory_mb: 2000}
 
 FAILURES = """
 A failed evaluation is data: it has a reason, the search treats it as infinitely bad and continues. A job without one
-success ends failed.
+success ends failed, and that after its first generation if a program fails in all of it (five runs or more that are
+`not_started`, `program_failed`, `no_output` or `bad_output`).
 
 | reason | meaning |
 | --- | --- |

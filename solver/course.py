@@ -5,7 +5,7 @@ Both the in-process loop and the distributed engine go through :meth:`Course.adv
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import SHARE_OF_SEARCH
 from geoswarm.solver.progress.state import Best, Progress, Step
 from geoswarm.solver.progress.stopping import (
+    ALL_FAILED,
     MaxEvaluations,
     MaxSeconds,
     StagnationGenerations,
@@ -24,6 +25,7 @@ from geoswarm.solver.progress.stopping import (
     SwarmStatus,
     TargetObjective,
     evaluations_left,
+    fails_always,
     satisfied_reasons,
 )
 from geoswarm.solver.search import Runs, Search, WideSearch
@@ -97,6 +99,7 @@ class Course:
         runs: Runs | None = None,
         criteria: Sequence[StopCriterion] | None = None,
         situation: Situation | None = None,
+        failures: Mapping[str, int] | None = None,
     ) -> Step:
         """Close the current generation and ask for the next one; pure.
 
@@ -114,6 +117,9 @@ class Course:
             Stop criteria in place of the problem's.
         situation
             State of the engine; decides the size of the next generation with ``particles: auto``.
+        failures
+            Number of failed evaluations so far by reason, this generation included; a program that always fails ends
+            the search.
         """
         problem = self.problem
         method, limits = problem.method, self.criteria if criteria is None else criteria
@@ -170,6 +176,8 @@ class Course:
             # Of a follow-up nothing else counts: nobody set its number of evaluations.
             others = () if method.role == "follow_up" else reasons
             reasons = (own, *(r for r in others if r != MaxEvaluations.reason))
+        if best is None and fails_always(failures or {}, evaluations):
+            reasons = (ALL_FAILED, *reasons)
         if reasons and problem.answers:
             from geoswarm.solver.answering import begin_answer
 

@@ -12,15 +12,15 @@ from pathlib import Path
 __all__ = ["ExampleSummary", "describe_example", "example_file", "example_names"]
 
 _PROBLEM, _EXPLANATION = "problem.yaml", "README.md"
-_ENGINES = ("command", "registered")
+_ENGINES = ("command", "python", "registered")
 
 
 @dataclass(frozen=True, slots=True)
 class ExampleSummary:
     """What an example shows.
 
-    ``forward_model`` and ``method`` are the kinds in its problem; ``needs_engine`` says whether it needs a program of
-    others, a compiler for instance, which must be installed.
+    ``forward_model`` and ``method`` are the kinds in its problem; ``needs_engine`` says whether it runs a program
+    beside geoswarm: one that must be installed, a compiler for instance, or a Python function of its own.
     """
 
     name: str
@@ -36,7 +36,7 @@ def example_names(*, engines: bool = True) -> tuple[str, ...]:
     Parameters
     ----------
     engines
-        Also those that need a program of others, which their explanations name.
+        Also those that run a program, which their explanations name.
     """
     names = sorted(one.name for one in _folder().iterdir() if one.joinpath(_PROBLEM).is_file())
     return tuple(name for name in names if engines or not describe_example(name).needs_engine)

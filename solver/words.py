@@ -54,12 +54,13 @@ REASONS = {
     "samples_completed": "all samples evaluated",
     "polished": "polished to a local minimum",
     "polish_unfinished": "polishing ended before a minimum",
+    "all_failed": "every run failed",
     "design_completed": "all planned evaluations made",
 }
 """Stop reason -> words."""
 
-_UNSEEN = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
-_UNSEEN_BUT_LINES = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+_UNSEEN = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+_UNSEEN_BUT_LINES = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LONGEST_NAME, _MOST_NAMES = 50, 200
 _MISSING = "–"

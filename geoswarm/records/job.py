@@ -71,7 +71,9 @@ class Job:
     versions: dict[str, str] | None = told(
         "versions of geoswarm, python and the packages that calculate, at its start; null: not started, or not recorded"
     )
-    warnings: list[str] = told("other versions that were used; what it waits for, if there is no room")
+    warnings: list[str] = told(
+        "one objective in all runs; other versions that were used; what it waits for, if there is no room"
+    )
 
     @property
     def ended(self) -> bool:

@@ -232,7 +232,7 @@ def _amount(value: float, unit: str) -> str:
 
 
 def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[str, ...]:
-    """Say what to do."""
+    """Say what to do; nothing that the problem does already."""
     patterns = _patterns_of(misfits)
     found = []
     gross = {m.series: [n.reading for n in misfits if n.reading and n.series == m.series] for m in misfits if m.reading}
@@ -247,7 +247,8 @@ def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[str, ...]:
     staged = [m.series for m in patterns if stage_times(problem.forward_model, m.series).size > 1]
     primary = [p for p in find_consolidation(problem) if p.series in staged]
     found += [p.sentence for p in primary]
-    if staged and not primary:
+    whole = [o for o in problem.observations if o.series in staged and "stage_x_from" not in o.selection]
+    if whole and not primary:
         found.append(
             "Primary consolidation is not part of the soil laws: leave out readings before its end in every stage "
             "(stage_x_from in the observation), or calibrate stage_settlement, the values at the ends of the stages."

@@ -1,7 +1,8 @@
 """Values far outside the usual ranges: those of fields (``x-typical`` of their schema) and parameters (``typical``).
 
 The ranges stand beside the fields themselves; a form shows the same ones. Nothing is said of what is merely unusual:
-only of a value more than ten times beyond an end, or of stages whose middle one is more than twice beyond it.
+only of a value more than ten times beyond an end, or of stages whose middle one is more than twice beyond it. A default
+may mean something else, such as a value that is derived, and is usual.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ def unusual_values(problem: Problem) -> Iterator[str]:
         if info.typical is None or parameter is None:
             continue
         if isinstance(parameter, FixedParameter):
-            if _far(parameter.value, info.typical):
+            if parameter.value != info.default and _far(parameter.value, info.typical):
                 yield _sentence(f"parameters.{info.name}.value", parameter.value, info.unit, info.typical)
         elif isinstance(parameter, FreeParameter):
             yield from _bounds(parameter, info, info.typical)
@@ -62,7 +63,7 @@ def _fields(section: BaseModel, path: str) -> Iterator[str]:
             yield from _entries(value, place)
         elif "x-typical" in hint and isinstance(value, int | float):
             low, high = hint["x-typical"]
-            if _far(value, (low, high)):
+            if value != field.default and _far(value, (low, high)):
                 yield _sentence(place, value, hint["x-unit"], (low, high))
 
 

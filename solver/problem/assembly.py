@@ -317,7 +317,7 @@ class _Assembly:
             checked = self._validated(ObservationSection, section, path)
             if checked is None:
                 continue
-            points, found = read_points(checked, path, self.folder)
+            points, found = read_points(checked, path, self.folder, spec)
             self.issues += found
             if points is not None and not found:
                 complete.append((path, checked, points))

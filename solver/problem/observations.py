@@ -16,6 +16,7 @@ from geoswarm.solver.loss import TUNING, Loss
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.points import Points
+from geoswarm.solver.problem.stages import same_x_remedy, stage_times
 from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
 from geoswarm.solver.problem.tables.picking import is_cells
 from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
@@ -220,7 +221,7 @@ def _build(
     if not kept.size:
         nothing = f"no point is left of {len(chosen)}: the others are gross errors"
         return None, [Issue(f"{path}.gross_errors", nothing)]
-    x, message = _checked_x(x[kept], points.x, kept, units["x"] or info.x_unit, info)
+    x, message = _checked_x(x[kept], points.x, kept, units["x"] or info.x_unit, info, stage_times(spec, section.series))
     if message is not None:
         return None, [Issue(place, message)]
     y = y[kept]
@@ -351,11 +352,12 @@ def _fits(unit: str, base: str) -> bool:
 
 
 def _checked_x(
-    x: FloatArray, given: list[float], kept: IntArray, unit: str, info: SeriesInfo
+    x: FloatArray, given: list[float], kept: IntArray, unit: str, info: SeriesInfo, starts: FloatArray
 ) -> tuple[FloatArray, str | None]:
     """Points x fit for the series, or what is wrong with them.
 
-    Messages show x as the user ``given`` it in ``unit``; ``kept`` are the places of x, shape (m,), in it.
+    Messages show x as the user ``given`` it in ``unit``; ``kept`` are the places of x, shape (m,), in it; loads act
+    at ``starts``.
     """
 
     def shown(index: int) -> str:
@@ -386,9 +388,7 @@ def _checked_x(
         falling = np.diff(x) <= 0
         if falling.any():
             index = int(np.argmax(falling))
-            remedy = (
-                "repeated_x: average or shift makes them differ" if x[index] == x[index + 1] else "sort: true sorts"
-            )
+            remedy = "sort: true sorts" if x[index] != x[index + 1] else same_x_remedy(x[index], starts)
             return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}; {remedy}"
     return x, None
 

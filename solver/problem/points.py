@@ -11,15 +11,19 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
-from geoswarm.solver.problem.preparation import NoZeroError, Preparation, Readings, prepared
+from geoswarm.solver.problem.preparation import Preparation, PreparationError, Readings, prepared
+from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.problem.tables.cells import file_content
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document, read_problem_file
+from geoswarm.solver.units import UnitError, convert
 
 __all__ = ["Points", "inlined_document", "measured_points", "points_of_file", "read_points"]
 
@@ -97,13 +101,17 @@ class Points:
         return document | ({"inputs": self.inputs} if self.inputs else {})
 
 
-def read_points(section: ObservationSection, path: str, folder: Path | None) -> tuple[Points | None, list[Issue]]:
+def read_points(
+    section: ObservationSection, path: str, folder: Path | None, spec: ForwardModelSpec | None = None
+) -> tuple[Points | None, list[Issue]]:
     """Points of a section, read from its file if it names one.
 
     Parameters
     ----------
     folder
         Where relative files lie; None when no files may be read (problems that came over the network).
+    spec
+        Of the forward model, as far as it is known: it says when loads are applied.
     """
     if section.points is not None:
         given = section.points
@@ -118,7 +126,7 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
             notes=tuple(section.notes),
         )
         issues = _length_issues(points, f"{path}.points")
-        return (points, issues) if issues else _prepared(points, section, path)
+        return (points, issues) if issues else _prepared(points, section, path, spec)
     assert section.file is not None
     if folder is None:
         message = (
@@ -130,7 +138,7 @@ def read_points(section: ObservationSection, path: str, folder: Path | None) -> 
         content = file_content(file)
     except TableError as error:
         return None, [Issue(f"{path}.file", message) for message in error.messages]
-    return points_of_file(section, path, content, file.name)
+    return points_of_file(section, path, content, file.name, spec)
 
 
 def measured_points(observation: str, content: bytes, name: str) -> tuple[Points, dict[str, str]]:
@@ -171,7 +179,7 @@ def _units_found(points: Points) -> dict[str, str]:
 
 
 def points_of_file(
-    section: ObservationSection, path: str, content: bytes, name: str
+    section: ObservationSection, path: str, content: bytes, name: str, spec: ForwardModelSpec | None = None
 ) -> tuple[Points | None, list[Issue]]:
     """Points of a section from the content of its file, called ``name`` in messages."""
     try:
@@ -189,7 +197,7 @@ def points_of_file(
         y_heading=table.y_heading,
     )
     issues = _weight_issues(points, f"{path}.file")
-    return (points, issues) if issues else _prepared(points, section, path)
+    return (points, issues) if issues else _prepared(points, section, path, spec)
 
 
 def _columns(section: ObservationSection) -> Columns:
@@ -231,7 +239,9 @@ def _reading_notes(section: ObservationSection, table: Table, name: str) -> list
     return [note if note.isprintable() else repr(note) for note in notes]
 
 
-def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[Points, list[Issue]]:
+def _prepared(
+    points: Points, section: ObservationSection, path: str, spec: ForwardModelSpec | None
+) -> tuple[Points, list[Issue]]:
     """The readings as the section wants them; the canonical problem has what comes of it."""
     count = len(points.x)
     beyond = [place for place in section.gross_errors if place > count]
@@ -248,11 +258,12 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
         repeated_x=section.repeated_x,
         resample=section.resample,
         error=section.error,
+        loads=_loads(points, section, spec),
     )
     try:
         found, done = prepared(given, wanted)
-    except NoZeroError as error:
-        return points, [Issue(f"{path}.y_zero", str(error))]
+    except PreparationError as error:
+        return points, [Issue(f"{path}.{error.key}", str(error))]
     return replace(
         points,
         x=found.x,
@@ -265,6 +276,16 @@ def _prepared(points: Points, section: ObservationSection, path: str) -> tuple[P
         gross_errors=found.gross_errors,
         notes=(*points.notes, *done),
     ), []
+
+
+def _loads(points: Points, section: ObservationSection, spec: ForwardModelSpec | None) -> tuple[float, ...]:
+    """The x, in the unit of the points, at which the loads of a test in stages are applied."""
+    starts = np.empty(0) if spec is None else stage_times(spec, section.series)
+    found = None if points.x_heading is None else points.x_heading.unit
+    try:
+        return tuple(convert(starts, "day", section.x_unit or found or "day").tolist())
+    except UnitError:  # refused elsewhere
+        return ()
 
 
 def _length_issues(points: Points, path: str) -> list[Issue]:
@@ -307,6 +328,10 @@ def inlined_document(path: Path) -> dict[str, Any]:
     """
     document = {"name": path.stem, **read_problem_file(path)}
     observations = document.get("observations")
+    try:
+        spec = parse_spec(document.get("forward_model"))
+    except (TypeError, ValueError):  # judged where it is calculated
+        spec = None
     if not isinstance(observations, list):
         return document
     found: list[Any] = []
@@ -318,7 +343,7 @@ def inlined_document(path: Path) -> dict[str, Any]:
         section, issues = validated(ObservationSection, given, place)
         if section is None:
             raise ProblemError(issues)
-        points, issues = read_points(section, place, path.parent)
+        points, issues = read_points(section, place, path.parent, spec)
         if points is None or issues:
             raise ProblemError(issues)
         kept = {key: value for key, value in given.items() if key not in _TAKEN_IN}

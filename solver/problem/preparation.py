@@ -11,13 +11,14 @@ from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.problem.issues import number
+from geoswarm.solver.problem.stages import AT_LOAD, at_load, stage_of
 from geoswarm.solver.problem.zero import ZeroReading, zero_reading
 from geoswarm.solver.section import Section
 
 __all__ = [
     "MANY_POINTS",
-    "NoZeroError",
     "Preparation",
+    "PreparationError",
     "Readings",
     "Resample",
     "independent_readings",
@@ -73,7 +74,11 @@ class Readings:
 
 @dataclass(frozen=True, slots=True)
 class Preparation:
-    """How to process readings; ``error``: standard deviation of a reading, as far as it is stated."""
+    """How to process readings.
+
+    ``error`` is the standard deviation of a reading, as far as it is stated. ``loads`` are the x at which the loads of
+    a test in stages are applied: no mean is taken across them.
+    """
 
     zero: Literal["first"] | ZeroReading | None = None
     x_factor: float = 1.0
@@ -82,10 +87,15 @@ class Preparation:
     repeated_x: Literal["average", "shift"] | None = None
     resample: Resample | None = None
     error: float | None = None
+    loads: tuple[float, ...] = ()
 
 
-class NoZeroError(Exception):
-    """There is no zero reading."""
+class PreparationError(Exception):
+    """Readings cannot be processed as a key of the observation says."""
+
+    def __init__(self, key: str, message: str) -> None:
+        super().__init__(message)
+        self.key = key
 
 
 def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[str]]:
@@ -97,10 +107,10 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
 
     Raises
     ------
-    NoZeroError
-        No reading at the x of the zero reading.
+    PreparationError
+        No reading at the x of the zero reading, or different readings at the moment of a load that would become one.
     """
-    if wanted == Preparation(error=wanted.error):
+    if wanted == Preparation(error=wanted.error, loads=wanted.loads):
         return readings, []
     x = np.array(readings.x, dtype=np.float64)
     y = np.array(readings.y, dtype=np.float64)
@@ -122,7 +132,7 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
     if wanted.zero is not None:
         value, said = zero_reading(wanted.zero, x, y, counted)
         if value is None:
-            raise NoZeroError(said)
+            raise PreparationError("y_zero", said)
         y = y - value
         done.append(said)
     if wanted.y_factor != 1.0:
@@ -140,6 +150,7 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
     if extent is not None:
         extent *= abs(wanted.y_factor)
     if len(begins) < len(x):
+        _refuse_mixed(x, columns["y"], begins, wanted.loads)
         done += notes
         extent = float(np.ptp(columns["y"])) if extent is None else extent
         if wanted.error is not None and independent is None:
@@ -170,9 +181,23 @@ def _groups(x: FloatArray, weight: FloatArray, wanted: Preparation) -> tuple[Int
         notes.append(f"readings at equal x were averaged: {len(begins)} points of {len(x)} readings")
     if wanted.resample is not None:
         before = len(begins)
-        begins = begins[_resampled(_mean(begins, x, weight), wanted.resample)]
+        stages = stage_of(x[begins], np.array(wanted.loads)) if wanted.loads else np.zeros(before)
+        firsts = np.flatnonzero(np.diff(stages, prepend=stages[0]) != 0)
+        begins = begins[np.union1d(_resampled(_mean(begins, x, weight), wanted.resample), firsts)]
         notes.append(f"{wanted.resample.in_words()}: {len(begins)} points of {before} readings")
     return begins, notes
+
+
+def _refuse_mixed(x: FloatArray, y: FloatArray, begins: IntArray, loads: tuple[float, ...]) -> None:
+    """Refuse a mean of different readings at the moment of a load: some are from before it, some from after it."""
+    group = np.searchsorted(begins, np.arange(len(x)), side="right")
+    for stage, load in enumerate(loads, start=1):
+        at = np.flatnonzero(at_load(x, np.array([load])))
+        if len(np.unique(group[at])) < len(at) and np.ptp(y[at]) > 0.0:
+            low, high = number(float(y[at].min())), number(float(y[at].max()))
+            found = f"{len(at)} readings at x = {number(load)}, where stage {stage} begins, are from {low} to {high}"
+            message = f"{found}: their mean would mix readings before and after the load. {AT_LOAD}"
+            raise PreparationError("repeated_x", message)
 
 
 def _spread(x: FloatArray) -> FloatArray:

@@ -6,12 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.base import ForwardModelSpec
 
-__all__ = ["stage_of", "stage_times", "section_of_test"]
+__all__ = ["AT_LOAD", "at_load", "same_x_remedy", "section_of_test", "stage_of", "stage_times"]
+
+AT_LOAD = (
+    "repeated_x: shift takes the first as the reading before the load and spreads the others up to the next x; "
+    "or keep one of them"
+)
+"""Remedy for several readings at the moment of a load."""
 
 _ROUNDING = 1e-9
 
@@ -20,7 +26,7 @@ def section_of_test(spec: ForwardModelSpec, series: str) -> tuple[str, ForwardMo
     """Return path and section of the test that a series belongs to, and the name of the series there."""
     parts: Any = getattr(spec, "parts", None)
     part, dot, inner = series.partition(".")
-    if dot and parts:
+    if dot and parts and part in parts:
         return f"forward_model.parts.{part}", parts[part], inner
     return "forward_model", spec, series
 
@@ -42,5 +48,19 @@ def stage_times(spec: ForwardModelSpec, series: str) -> FloatArray:
 
 def stage_of(x: FloatArray, starts: FloatArray) -> IntArray:
     """Number of the stage, from 1, that each x, shape (m,), belongs to; a reading at a load ends the stage before."""
-    slack = _ROUNDING * max(1.0, float(np.abs(starts).max(initial=0.0)))
-    return np.maximum(np.searchsorted(starts + slack, x, side="left"), 1).astype(np.int64)
+    return np.maximum(np.searchsorted(starts + _slack(starts), x, side="left"), 1).astype(np.int64)
+
+
+def at_load(x: FloatArray, starts: FloatArray) -> BoolArray:
+    """Whether each x, shape (m,), is the moment of a load."""
+    return np.asarray((np.abs(x[:, np.newaxis] - starts) <= _slack(starts)).any(axis=1))
+
+
+def same_x_remedy(x: float, starts: FloatArray) -> str:
+    """What to do about several readings at one x."""
+    at_one = at_load(np.array([x]), starts).any()
+    return AT_LOAD if at_one else "repeated_x: average or shift makes them differ"
+
+
+def _slack(starts: FloatArray) -> float:
+    return _ROUNDING * max(1.0, float(np.abs(starts).max(initial=0.0)))

@@ -11,9 +11,21 @@ from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.progress.notebook import result_html
-from geoswarm.solver.progress.state import Progress
+from geoswarm.solver.progress.state import Best, Progress
+from geoswarm.solver.progress.stopping import fails_always
 
-__all__ = ["CalibrationResult", "EvaluationRecord", "GenerationRecord", "generation_record", "no_success_message"]
+__all__ = [
+    "CalibrationResult",
+    "EvaluationRecord",
+    "GenerationRecord",
+    "alike_warning",
+    "count_alike",
+    "generation_record",
+    "no_success_message",
+]
+
+_TELLING = 5
+"""So many runs with one objective are no chance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +53,8 @@ class GenerationRecord:
         Best so far and all its parameter values by name; None while no evaluation has succeeded.
     search_evaluations, answer_evaluations
         Evaluations of the search, and how many may follow it; None while it goes on, and of runs that are read again.
+    alike
+        Number of runs since the start if all of them gave one objective, else -1.
     """
 
     number: int
@@ -51,6 +65,7 @@ class GenerationRecord:
     parameters: dict[str, float] | None
     search_evaluations: int | None = field(default=None, compare=False)
     answer_evaluations: int | None = field(default=None, compare=False)
+    alike: int = field(default=-1, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +108,7 @@ class CalibrationResult:
 
 
 def generation_record(
-    problem: Problem, number: int, objectives: Sequence[float | None], after: Progress
+    problem: Problem, number: int, objectives: Sequence[float | None], after: Progress, alike: int = -1
 ) -> GenerationRecord:
     """Summarise a finished generation from its objectives and the progress after it."""
     best, answer = after.best, after.answer
@@ -106,6 +121,30 @@ def generation_record(
         parameters=problem.values(best.parameters.tolist()) if best else None,
         search_evaluations=answer.evaluations if answer else None,
         answer_evaluations=answer.most if answer else None,
+        alike=alike,
+    )
+
+
+def count_alike(before: int, best: Best | None, objectives: Sequence[float | None]) -> int:
+    """Return how many runs since the start gave one objective, -1 as soon as two differ.
+
+    Parameters
+    ----------
+    before, best
+        Count and best run before this generation.
+    """
+    found = [f for f in objectives if f is not None]
+    different = len({*found, *([] if best is None else [best.objective])}) > 1
+    return -1 if before < 0 or different else before + len(found)
+
+
+def alike_warning(alike: int) -> str | None:
+    """Warn of a forward model whose responses do not depend on its parameters."""
+    if alike < _TELLING:
+        return None
+    return (
+        f"all {alike} runs so far gave the same objective, though their parameters differ: the forward model does not "
+        "use them. Check that the program reads the files that are written for each run, not those of an earlier one"
     )
 
 
@@ -113,4 +152,6 @@ def no_success_message(reasons: Counter[str], first_message: str | None) -> str:
     """Say why a calibration without one successful evaluation failed, with the reasons counted."""
     counts = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
     message = f"all {reasons.total()} evaluations failed ({counts})"
+    if fails_always(reasons, reasons.total()):
+        message += ", which ends the search: the forward model fails whatever the parameters are"
     return f"{message}; first message: {first_message}" if first_message else message

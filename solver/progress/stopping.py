@@ -6,19 +6,27 @@ during a number of generations (Meier et al. 2008).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 __all__ = [
+    "ALL_FAILED",
     "MaxEvaluations",
     "MaxSeconds",
     "StagnationGenerations",
     "StopCriterion",
     "SwarmStatus",
     "TargetObjective",
+    "fails_always",
     "satisfied_reasons",
 ]
+
+ALL_FAILED = "all_failed"
+"""Reason of a search that ends because its program fails whatever the parameters are."""
+
+_OF_PROGRAM = ("not_started", "program_failed", "no_output", "bad_output")
+_ENOUGH = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +111,11 @@ class StagnationGenerations:
     def satisfied(self, status: SwarmStatus) -> bool:
         """Tell whether the search stagnates."""
         return status.stagnation >= self.limit
+
+
+def fails_always(failures: Mapping[str, int], evaluations: int) -> bool:
+    """Whether a program has failed in all evaluations, enough of them, and never for a reason of the parameters."""
+    return evaluations >= _ENOUGH and sum(failures.get(reason, 0) for reason in _OF_PROGRAM) == evaluations
 
 
 def satisfied_reasons(criteria: Sequence[StopCriterion], status: SwarmStatus) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ from geoswarm.solver.progress.result import (
     CalibrationResult,
     EvaluationRecord,
     GenerationRecord,
+    count_alike,
     generation_record,
     no_success_message,
 )
@@ -84,6 +85,7 @@ def calibrate(
     history: list[EvaluationRecord] = []
     records: list[GenerationRecord] = []
     log, responses = RunLog(calibration), list[list[dict[str, FloatArray]]]()
+    failures, alike = Counter[str](), 0
 
     def fetch(keys: Sequence[RunKey]) -> list[dict[str, FloatArray]]:
         return [responses[generation][particle] for generation, particle in keys]
@@ -110,6 +112,7 @@ def calibrate(
                 result = _result(problem, seed, progress, (), history, records, time.monotonic() - began)
                 return replace(result, state="failed", error=fatal)
             objectives = [e.objective for e in evaluations]
+            failures.update(e.reason for e in evaluations if e.reason is not None)
             if problem.method.learns or problem.answers:
                 log.add([e.parameters for e in evaluations], objectives)
                 responses.append([e.responses for e in evaluations])
@@ -117,9 +120,10 @@ def calibrate(
             if step is None:
                 runs = log.runs(fetch) if course.learns(progress) else None
                 situation = situations(Situation(slots, [e.seconds for e in evaluations]), progress.generation)
-                step = course.advance(progress, objectives, seconds, runs, situation=situation)
+                step = course.advance(progress, objectives, seconds, runs, situation=situation, failures=failures)
             keeper.closed(progress.generation, evaluations, step, seconds)
-            records.append(generation_record(problem, progress.generation, objectives, step.progress))
+            alike = count_alike(alike, progress.best, objectives)
+            records.append(generation_record(problem, progress.generation, objectives, step.progress, alike))
             if on_generation is not None:
                 on_generation(records[-1])
             if step.stop_reasons:

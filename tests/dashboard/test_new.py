@@ -84,6 +84,8 @@ def build_oedometer(page: Page, readings: Path) -> None:
     expect(mapping.get_by_label("Unit of y")).to_have_value("mm")
     expect(mapping.get_by_role("status")).to_have_text("226 readings.")
     expect(mapping.locator(".main-svg").first).to_be_visible()
+    drawn = mapping.locator(".js-plotly-plot")
+    assert drawn.evaluate("({ _fullLayout: { yaxis } }) => yaxis.range[0] > yaxis.range[1]")  # settlements downwards
     mapping.get_by_role("button", name="Add settlement", exact=True).click()
     expect(page.locator(".observation")).to_contain_text("226 readings")
     expect(page.locator(".observation")).to_contain_text("100.0 %")

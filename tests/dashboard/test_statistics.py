@@ -90,6 +90,12 @@ def test_points_are_those_of_the_service(embedded: Site, page: Page, job: str) -
     assert misfits == pytest.approx([item.misfits["z"] for item in stored], rel=1e-6)
 
 
+def test_sentences_name_buttons_of_the_page_and_no_commands(page: Page) -> None:
+    expect(page.locator("#warnings")).to_contain_text("“Sensitivities at the optimum” goes to the optimum")
+    expect(page.get_by_role("button", name=re.compile("^Sensitivities at the optimum"))).to_be_visible()
+    expect(page.locator("main")).not_to_contain_text("'geoswarm ")
+
+
 def test_the_slider_counts_as_the_service_does_and_verdicts_follow(embedded: Site, page: Page, job: str) -> None:
     slide(page, 700)
     exact = float(page.get_by_label("Threshold as a number").input_value())

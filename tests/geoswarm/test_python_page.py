@@ -70,6 +70,6 @@ def test_the_pile_finds_the_truth_by_script_and_problem_file() -> None:
     assert 2.2e-3 < found["w_shaft"] < 2.8e-3
     assert 2100.0 < found["base"] < 2800.0
     assert printed.count("is identified") == 3
-    result = gs.calibrate(gs.load_problem(PILE / "pile.yaml"))
+    result = gs.calibrate(gs.load_problem(PILE / "problem.yaml"))
     assert found == {name: float(f"{value:.5g}") for name, value in result.parameters.items()}
     assert 2e-9 < result.objective < 2e-8  # a reading error of 0.1 mm

@@ -69,6 +69,7 @@ def test_sentences_are_typeset() -> None:
 
 def test_control_characters_are_escaped() -> None:
     assert visible("a\x1b[31m\r\n\tb\u202e\x85") == "a\\x1b[31m\\r\\n\\tb\\u202e\\x85"
+    assert visible("a\u061cb", lines=True) == "a\\u061cb"
     assert visible("a\n\tb\x07", lines=True) == "a\n\tb\\x07"
     assert visible(visible("a\x1b")) == visible("a\x1b")
     assert visible("λ* = 0.12 °C · 日本") == "λ* = 0.12 °C · 日本"

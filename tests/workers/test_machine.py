@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.errors import InfeasibleSpaceError
+from geoswarm.solver.progress.result import alike_warning
 from geoswarm.workers.errors import InvalidTransitionError
 from geoswarm.workers.states.job import (
     CancelRequested,
@@ -120,6 +121,28 @@ def test_without_one_success_the_job_fails_with_the_reasons_counted() -> None:
         job = apply(job, GenerationJoined(job.generation, results, 1.0), COURSE).job
     assert job.state == "failed"
     assert job.error == "all 24 evaluations failed (16 diverged, 8 not_finite); first message: step 3"
+
+
+def test_a_program_that_always_fails_ends_the_job_after_its_first_generation() -> None:
+    started = apply(Job(), JobStarted(START)).job
+    failed = [Joined(None, "program_failed", "no such file")] * 5
+    job = apply(started, GenerationJoined(0, [*failed, Joined(None, "no_output", "b")], 1.0), COURSE).job
+    assert (job.state, job.stop_reasons) == ("failed", ("all_failed",))
+    assert job.error is not None
+    assert job.error.startswith("all 6 evaluations failed (1 no_output, 5 program_failed), which ends the search")
+    assert job.error.endswith("; first message: no such file")
+    going = apply(started, GenerationJoined(0, [*failed, Joined(None, "diverged", "c")], 1.0), COURSE).job
+    assert (going.state, going.generations) == ("running", 1)
+
+
+def test_runs_with_one_objective_are_told_until_one_differs() -> None:
+    started = apply(Job(), JobStarted(START)).job
+    alike = apply(started, GenerationJoined(0, [*[Joined(2.0)] * 5, Joined(None, "diverged")], 1.0), COURSE).job
+    assert "all 5 runs so far gave the same objective" in str(alike_warning(alike.alike))
+    more = apply(alike, GenerationJoined(1, [Joined(2.0)] * 6, 1.0), COURSE).job
+    assert "all 11 runs so far" in str(alike_warning(more.alike))
+    other = apply(alike, GenerationJoined(1, [*[Joined(2.0)] * 5, Joined(3.0)], 1.0), COURSE).job
+    assert alike_warning(other.alike) is None
 
 
 def test_an_infeasible_space_fails_the_job_with_its_message() -> None:

@@ -136,7 +136,8 @@ def finish_retry(
     for reason, count in connection.execute(counted.group_by(evaluations.c.reason)):
         reasons[reason] = count
     progress = replace(progress, best=best, failed=reasons.total())
-    first_message = unpack_json(row.failures)["first_message"]
+    failures = unpack_json(row.failures)
+    first_message = failures["first_message"]
     target = state or row.retry_to
     error = row.error
     if target == "failed":
@@ -148,7 +149,9 @@ def finish_retry(
         "retry_to": None,
         "progress": pack_json(progress.to_json()),
         "failed_evaluations": reasons.total(),
-        "failures": pack_json({"reasons": dict(reasons), "first_message": first_message if reasons else None}),
+        "failures": pack_json(
+            failures | {"reasons": dict(reasons), "first_message": first_message if reasons else None}
+        ),
         "error": None if error is None else text_of_program(error),
         "run_seconds": locked.run_seconds(gap),
         "clock_at": locked.now if target == "running" else None,

@@ -73,7 +73,7 @@ __all__ = [
 # Everything but the problem document, which nothing but a worker's first look at the job needs.
 COLUMNS = [column for column in jobs.columns if column.name != "problem"]
 JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
-LARGE = ("progress", "grids", "failures")
+LARGE = ("progress", "grids")
 LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).scalar_subquery().label("last_event")
 VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), LAST_EVENT]
 
@@ -123,6 +123,7 @@ class LockedJob:
             generations=row.generations,
             failures=Counter(failures["reasons"]),
             first_message=failures["first_message"],
+            alike=failures.get("alike", -1),
             stop_reasons=tuple(unpack_json(row.stop_reasons)),
             error=row.error,
         )
@@ -209,7 +210,9 @@ def save_job(
             "search_evaluations": None if progress.answer is None else progress.answer.evaluations,
             "answer_evaluations": None if progress.answer is None else progress.answer.most,
             "failed_evaluations": progress.failed,
-            "failures": pack_json({"reasons": dict(after.failures), "first_message": after.first_message}),
+            "failures": pack_json(
+                {"reasons": dict(after.failures), "first_message": after.first_message, "alike": after.alike}
+            ),
         }
         if typical_seconds is not None:
             values["typical_seconds"] = typical_seconds
@@ -273,7 +276,7 @@ def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:
         "generations": 0,
         "evaluations": 0,
         "failed_evaluations": 0,
-        "failures": pack_json({"reasons": {}, "first_message": None}),
+        "failures": pack_json({"reasons": {}, "first_message": None, "alike": 0}),
         "stop_reasons": "[]",
         "run_seconds": 0.0,
         "created_at": database_now(),

@@ -18,6 +18,7 @@ from geoswarm.records.record import Number
 from geoswarm.records.statistics import SeriesShare
 from geoswarm.records.worker import AgentSlot, Worker
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.progress.result import alike_warning
 from geoswarm.workers.queries.versions import recorded_versions, version_warnings
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime, unpack_array, unpack_json, unpack_responses
 from geoswarm.workers.store.database import Record
@@ -33,6 +34,7 @@ def job_view(row: Record, gap: float) -> Job:
     recorded = recorded_versions(row)
     conclusion = {} if row.conclusion is None else unpack_json(row.conclusion)
     intervals = conclusion.get("intervals")
+    alike = alike_warning(unpack_json(row.failures).get("alike", -1))
     return Job(
         id=row.id,
         name=row.name,
@@ -66,7 +68,7 @@ def job_view(row: Record, gap: float) -> Job:
         owner=row.owner,
         last_event=row.last_event or 0,
         versions=recorded[0],
-        warnings=version_warnings(recorded),
+        warnings=[*([] if alike is None else [alike]), *version_warnings(recorded)],
     )
 
 

@@ -24,7 +24,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.methods.widths import Situation
-from geoswarm.solver.progress.result import GenerationRecord, generation_record, no_success_message
+from geoswarm.solver.progress.result import GenerationRecord, count_alike, generation_record, no_success_message
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.progress.stopping import StopCriterion
 from geoswarm.solver.search import Runs
@@ -69,6 +69,8 @@ class Job:
         Failed evaluations by reason, over finished generations.
     first_message
         Message of the first of them.
+    alike
+        Number of runs, over finished generations, if all gave one objective, else -1.
     """
 
     state: JobState = "queued"
@@ -76,6 +78,7 @@ class Job:
     generations: int = 0
     failures: Mapping[str, int] = field(default_factory=dict)
     first_message: str | None = None
+    alike: int = 0
     stop_reasons: tuple[str, ...] = ()
     error: str | None = None
 
@@ -272,16 +275,19 @@ def _join(job: Job, event: GenerationJoined, course: Course | None) -> Transitio
             f" ({'with' if course else 'without'} a course)"
         )
     objectives = [result.objective for result in event.results]
-    step = course.advance(progress, objectives, event.seconds, event.runs, event.criteria, event.situation)
-    record = generation_record(course.problem, progress.generation, objectives, step.progress)
     reasons = Counter(result.reason for result in event.results if result.reason is not None)
+    failures = dict(Counter(job.failures) + reasons)
+    step = course.advance(progress, objectives, event.seconds, event.runs, event.criteria, event.situation, failures)
+    alike = count_alike(job.alike, progress.best, objectives)
+    record = generation_record(course.problem, progress.generation, objectives, step.progress, alike)
     messages = (result.message for result in event.results if result.reason is not None)
     after = replace(
         job,
         progress=step.progress,
         generations=job.generations + 1,
-        failures=dict(Counter(job.failures) + reasons),
+        failures=failures,
         first_message=job.first_message or next(messages, None),
+        alike=alike,
         stop_reasons=step.stop_reasons,
     )
     done: tuple[Instruction, ...] = (

@@ -1,4 +1,5 @@
 // What stands before everything: where the model does not describe the data, by how much, and what to do.
+import { withButtons } from "./costs.js";
 import { element } from "./dom.js";
 
 /** Kinds of verdicts, on the fit and on parameters, with which intervals do not hold. */
@@ -13,6 +14,6 @@ export function doubt(fit) {
 /** The elements of the alarm of a verdict on the fit; none where nothing is wrong. */
 export function alarm(fit) {
   if (!fit?.headline) return [];
-  return [element("section", { class: "alarm", role: "alert" }, element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`), element("p", {}, fit.sentence),
+  return [element("section", { class: "alarm", role: "alert" }, element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`), element("p", {}, withButtons(fit.sentence)),
     element("p", {}, element("strong", {}, "What to do:")), element("ol", {}, fit.remedies.map((text) => element("li", {}, text))))];
 }

@@ -7,7 +7,15 @@ export const FOLLOW_UPS = {
   predict: "Prediction", design: "Which test next",
   sobol: "Global sensitivity (Sobol)", morris: "Global sensitivity (Morris)",
 };
+export const BUTTONS = {
+  sensitivity: "Sensitivities at the optimum", profile: "Profiles of all parameters", explore: "Look for further basins",
+};
 const LONG = 60; // s
+
+/** A sentence with buttons of the page Statistics in place of commands: 'geoswarm explore' is one of them here. */
+export function withButtons(sentence) {
+  return sentence.replace(/'geoswarm (sensitivity|profile|explore)'/g, (_, kind) => `“${BUTTONS[kind]}”`);
+}
 
 /** "about 40 runs, about 2 min"; a cost as GET …/follow-ups tells it. */
 export function costWords({ evaluations, exact, seconds }) {

@@ -49,6 +49,11 @@ export function withUnit(label, unit) {
   return unit && unit !== "1" && unit !== "-" ? `${label} [${unit}]` : label;
 }
 
+/** What the y axis of a series is beside its title: that of a settlement points downwards. */
+export function direction(series, quantity) {
+  return quantity === "settlement" || /settlement$/.test(series) ? { autorange: "reversed" } : {};
+}
+
 /** A value with its unit. */
 export function amount(value, unit, digits = 3) {
   return value === null || !unit || ["1", "-", "dimensionless"].includes(unit) ? number(value, digits) : `${number(value, digits)} ${unit}`;

@@ -1,5 +1,6 @@
 // What is identified, how well, and what to do next.
 import { alarm, doubt } from "./alarm.js";
+import { withButtons } from "./costs.js";
 import { announce, connection, element, exchange } from "./dom.js";
 import { count, number, objectiveUnit } from "./format.js";
 import { address, get } from "./http.js";
@@ -242,7 +243,7 @@ function showStatistics(statistics) {
   const warnings = [...(fit.kind === "untested" ? [fit.sentence] : []), ...statistics.warnings]; // all else is in the alarm
   place("alarm").replaceChildren(...alarm(fit));
   parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;
-  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, text)));
+  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, withButtons(text))));
   place("verdicts").replaceChildren(...verdictCards(verdicts, parts.units, parts.plan));
   const details = place("correlations");
   details.replaceChildren(details.querySelector("summary"), correlationTable(correlations));

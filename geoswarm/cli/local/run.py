@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -52,6 +53,9 @@ __all__ = ["run_command"]
     metavar="DIR",
     help="Folder of an earlier run with the same forward model, whose runs the search learns from; may be repeated.",
 )
+@click.option(
+    "--tables-only", is_flag=True, help="Write no report and no figures; 'geoswarm report DIR' does it later."
+)
 @click.option("--resume", is_flag=True, help="Continue the interrupted run in the folder of --output.")
 @accept_option
 @json_option
@@ -61,6 +65,7 @@ def run_command(
     output: Path | None,
     seed: int | None,
     earlier: tuple[Path, ...],
+    tables_only: bool,
     resume: bool,
     accept: tuple[str, ...],
     as_json: bool,
@@ -90,9 +95,12 @@ def run_command(
             "warm_start.jobs: only the service knows its jobs. 'geoswarm submit' runs this problem there; here, give "
             "--warm-start DIR, the folder of an earlier run, or leave warm_start out"
         )
-    without_figures = None if output is None else figures_missing("geoswarm run --output")
-    if without_figures:
-        note(f"Note: tables only, no report and no figures: {without_figures}")
+    if tables_only and output is None:
+        raise BadInputError("--tables-only needs --output DIR, the folder of the tables")
+    missing = None if output is None or tables_only else figures_missing("geoswarm run --output")
+    if missing:
+        note(f"Note: tables only, no report and no figures: {missing}")
+    figures = not (tables_only or missing)
     offer = _offer(loaded, earlier) if earlier else None
     folder = None if output is None else open_folder(output, loaded, seed, offer, resume)
     if output is not None and folder is None:
@@ -102,7 +110,7 @@ def run_command(
     seed = seed if folder is None else folder.run.seed
 
     def on_search_end(found: CalibrationResult) -> None:
-        if folder is not None and folder.search_ended(found, figures=not without_figures):
+        if folder is not None and folder.search_ended(found, figures=figures):
             note(f"The search has ended, and its result is in {folder.folder}; runs for minimum and intervals follow")
 
     with kept(folder, problem), _reporting(loaded) as on_generation:
@@ -131,12 +139,12 @@ def run_command(
         show_fit(fit)
         show_result(loaded, result, statistics)
     if folder is not None:
-        if report is not None and not without_figures:
+        if report is not None and figures:
             note(f"Writing the report and {len(report.figures.names)} figures")
         with kept(folder, problem):
-            written = write_output(result, folder, report, figures=not without_figures)
+            written = write_output(result, folder, report, figures=figures)
         if not as_json:
-            whole = f"{duration(monotonic() - began)} in all, with report and figures"
+            whole = f"{duration(monotonic() - began)} in all{', with report and figures' if figures else ''}"
             echo_facts(None, {"written to": str(output), "files": _listed(written), "total time": whole})
     if result.state == "failed":
         raise FailedRunError(result.error or "no forward run succeeded")
@@ -176,10 +184,15 @@ def _listed(files: list[Path]) -> str:
 def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]:
     """Show progress; when the user interrupts, tell the best found so far."""
 
+    from geoswarm.solver.progress.result import alike_warning
+
     last: list[GenerationRecord] = []
     with progress_bar(problem.name, problem.planned_evaluations) as update:
 
         def on_generation(record: GenerationRecord) -> None:
+            alike = alike_warning(record.alike)
+            if alike is not None and not (last and alike_warning(last[0].alike)):
+                note(f"{alike[0].upper()}{alike[1:]}")
             last[:] = [record]
             stage = record.search_evaluations, record.answer_evaluations
             update(record.evaluations, record.number, record.objective, *stage)
@@ -220,17 +233,26 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
     ]
     columns = ("series", "weight", "misfit", "root mean square", "share of the objective")
     echo_table(None, (*columns, "of its test") if tests else columns, rows, right=(1, 2, 3, 4, 5))
-    failed = f", {result.failed_evaluations} failed" if result.failed_evaluations else ""
     echo_facts(
         None,
         {
             "objective": with_unit(number(result.objective), unit),
             "stopped": reasons_in_words(result.stop_reasons),
-            "evaluations": f"{result.evaluations} in {result.generations} generations{_shares(result)}{failed}",
+            "evaluations": f"{result.evaluations} in {result.generations} generations{_shares(result)}",
+            **_failed(result),
             "time of the runs": duration(result.seconds),
             "seed": str(result.seed),
         },
     )
+
+
+def _failed(result: CalibrationResult) -> dict[str, str]:
+    """How many evaluations failed, with their reasons and the first message of each."""
+    failed = [r.evaluation for r in result.history if r.evaluation.reason is not None]
+    counts = Counter(str(e.reason) for e in failed)
+    first = {str(e.reason): e.message for e in reversed(failed)}
+    told = [f"{n} {reason}" + (f" ({first[reason]})" if first[reason] else "") for reason, n in counts.most_common()]
+    return {"failed": f"{len(failed)}: {'; '.join(told)}"} if failed else {}
 
 
 def _fit_of_run(problem: Problem, result: CalibrationResult, report: Report | None) -> dict[str, Any] | None:

@@ -191,12 +191,13 @@ def show_job(
         from geoswarm.solver.report.curves import objective_unit
 
         unit = objective_unit(problem)
+    why = " (--failures says why)" if job.failed_evaluations else ""
     facts = {
         "id": job.id,
         "state": job.state,
         "forward model": job.forward_model,
         "method": job.method.replace("_", " "),
-        "evaluations": f"{_count(job)} in {job.generations} generations, {job.failed_evaluations} failed",
+        "evaluations": f"{_count(job)} in {job.generations} generations, {job.failed_evaluations} failed{why}",
         "running time": duration(job.seconds),
         "stopped": reasons_in_words(job.stop_reasons),
         "seed": str(job.seed),

@@ -15,6 +15,9 @@ Update: TypeAlias = Callable[[int, int, float | None, int | None, int | None], N
 """Called with evaluations so far, number of the last finished generation, best objective so far, and evaluations of a
 search that has ended with how many may follow it."""
 
+_BAR, _SHORTEST_NAME = 14, 8
+_BESIDE_THE_NAME = 64  # bar, numbers and time
+
 
 @contextmanager
 def progress_bar(name: str, planned: int | None) -> Iterator[Update]:
@@ -32,25 +35,28 @@ def progress_bar(name: str, planned: int | None) -> Iterator[Update]:
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+    console = progress_console()
+    room = max(console.width - _BESIDE_THE_NAME, _SHORTEST_NAME)
+    shown = name if len(name) <= room else f"{name[: room - 1]}…"
     columns = (
         TextColumn("{task.description}", markup=False),
-        BarColumn(),
+        BarColumn(_BAR),
         TextColumn("{task.fields[counts]}"),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=progress_console(), transient=True) as bars:
-        task = bars.add_task(name, total=planned, counts="starting")
+    with Progress(*columns, console=console, transient=True) as bars:
+        task = bars.add_task(shown, total=planned, counts="starting")
 
         def update(
-            evaluations: int, generation: int, objective: float | None, searched: int | None, following: int | None
+            evaluations: int, _generation: int, objective: float | None, searched: int | None, following: int | None
         ) -> None:
             if searched is None or following is None:
-                total, of = planned, f" of at most {planned}" if planned else ""
-                counts = f"{evaluations}{of} evaluations, generation {generation}"
+                total, of = planned, f" of {planned}" if planned else ""
+                counts = f"{evaluations}{of} evaluations"
             else:
-                total, done = searched + following, evaluations - searched
-                counts = f"search ended after {searched} evaluations, intervals: {done} of at most {following}"
-            text = f"{counts}, best objective {number(objective)}"
+                total = searched + following
+                counts = f"intervals: {evaluations - searched} of {following}"
+            text = f"{counts}, best {number(objective)}"
             bars.update(task, total=total, completed=evaluations, counts=text)
 
         yield update

@@ -43,7 +43,7 @@ def examples_command(name: str | None, directory: Path | None, as_json: bool) ->
         return
     note(f"Written: {', '.join(str(path) for path in written)}")
     if describe_example(name).needs_engine:
-        note(f"Next: {directory / 'README.md'} says which program it needs, and how to run it")
+        note(f"Next: {directory / 'README.md'} says how to run it, and what must be installed")
     else:
         note(f"Next: geoswarm run {directory / 'problem.yaml'}")
 

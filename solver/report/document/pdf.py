@@ -13,9 +13,10 @@ from geoswarm.solver.report.document.html import SIGNS
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.figures.style import GRID, INK, MUTED, png_of
 
-__all__ = ["pdf_report", "shared_width"]
+__all__ = ["heading_of", "pdf_report", "shared_width"]
 
 _MARGIN = 18.0  # mm
+_BELOW_HEADING = 35.0  # mm: less room on a page would leave the heading alone there
 _COLOURS = {
     "identified": "#00694c",
     "bounded_on_one_side": "#005a8e",
@@ -34,7 +35,7 @@ def pdf_report(content: Content) -> bytes:
     from reportlab import rl_config
     from reportlab.lib.pagesizes import A4
     from reportlab.lib.units import mm
-    from reportlab.platypus import PageBreak, SimpleDocTemplate, Spacer
+    from reportlab.platypus import KeepTogether, PageBreak, SimpleDocTemplate, Spacer
 
     _fonts()
     rl_config.useA85 = 0  # text form of pictures: slow to write, larger, and no reader needs it
@@ -57,9 +58,9 @@ def pdf_report(content: Content) -> bytes:
     story.append(_text(content.summary, "lead"))
     story += [_facts(content.facts, width), Spacer(1, 4 * mm)]
     if content.cards:
-        story.append(_text("Verdicts", "heading"))
-        for card in content.cards:
-            story += [_card(card, width), Spacer(1, 2.5 * mm)]
+        first, *others = [_card(card, width) for card in content.cards]
+        for kept in ([_text("Verdicts", "heading"), first], *([other] for other in others)):
+            story += [KeepTogether(kept), Spacer(1, 2.5 * mm)]
         story += [_text("• " + note, "small") for note in content.notes]
     if content.pictures:
         story.append(PageBreak())
@@ -76,9 +77,9 @@ def pdf_report(content: Content) -> bytes:
         story.append(_text("Tables", "heading"))
         for table in content.others:
             story += _table(table, width)
-    story.append(_text("Provenance", "heading"))
+    story += heading_of("Provenance", "heading")
     story.append(_facts(content.provenance, width, columns=1))
-    story.append(_text("The problem", "subheading"))
+    story += heading_of("The problem", "subheading")
     story += [_text(line, "code") for line in content.problem.splitlines()]
     footer = _footer(content.title)
     document.build(story, onFirstPage=footer, onLaterPages=footer)
@@ -131,6 +132,14 @@ def _text(text: str, style: str) -> Any:
     return Paragraph(escaped, _styles()[style])
 
 
+def heading_of(text: str, style: str) -> list[Any]:
+    """A heading that does not stand alone at the foot of a page: what follows it begins on the same one."""
+    from reportlab.lib.units import mm
+    from reportlab.platypus import CondPageBreak
+
+    return [CondPageBreak(_BELOW_HEADING * mm), _text(text, style)]
+
+
 def _facts(facts: Sequence[tuple[str, str]], width: float, columns: int = 3) -> Any:
     from reportlab.platypus import Table as Grid
 
@@ -158,7 +167,7 @@ def _alarm(alarm: Alarm, width: float) -> Any:
 
 def _card(card: Card, width: float) -> Any:
     from reportlab.lib.colors import HexColor
-    from reportlab.platypus import KeepTogether, Paragraph
+    from reportlab.platypus import Paragraph
     from reportlab.platypus import Table as Grid
 
     colour = _COLOURS[card.kind]
@@ -174,7 +183,7 @@ def _card(card: Card, width: float) -> Any:
         _text(card.sentence, "body"),
         *(_text("→ " + proposal, "small") for proposal in card.proposals),
     ]
-    box = Grid(
+    return Grid(
         [[lines]],
         colWidths=[width],
         style=[
@@ -182,7 +191,6 @@ def _card(card: Card, width: float) -> Any:
             ("LINEBELOW", (0, 0), (-1, -1), 0.4, HexColor(GRID)),
         ],
     )
-    return KeepTogether([box])
 
 
 def _picture(picture: Picture, content: Content, width: float, height: float) -> Any:
@@ -222,7 +230,7 @@ def _table(table: Table, width: float) -> list[Any]:
     ]
     grid = Grid(cells, colWidths=widths, style=_grid_style(), repeatRows=1, hAlign="LEFT")
     note = [_text(table.note, "small")] if table.note else []
-    return [_text(table.heading, "subheading"), grid, *note]
+    return [*heading_of(table.heading, "subheading"), grid, *note]
 
 
 def shared_width(wanted: Sequence[float], least: Sequence[float], width: float) -> list[float]:

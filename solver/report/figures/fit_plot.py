@@ -20,6 +20,7 @@ from geoswarm.solver.report.figures.style import (
     plain_ticks,
     plot_gross_errors,
     plot_measured,
+    point_settlement_down,
     with_unit,
 )
 
@@ -46,8 +47,8 @@ def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
     title
         Line above the panels.
     curves
-        Series in the user's units; compression is positive and drawn upwards, as in the data. An axis is logarithmic
-        when half of the points would be crowded into its first 2 %.
+        Series in the user's units; compression is positive and drawn upwards, as in the data, but for settlements. An
+        axis is logarithmic when half of the points would be crowded into its first 2 %.
     """
     from matplotlib.figure import Figure
 
@@ -63,6 +64,8 @@ def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
             lower = figure.add_subplot(grid[2 * row + 1, column], sharex=upper)
             _fit(upper, curve)
             _residuals(lower, curve)
+            for axes in (upper, lower):
+                point_settlement_down(axes, curve.series, curve.y_quantity)
             if _crowded(curve):
                 plain_ticks(lower, "x", log=True, most=6)
                 first = float(curve.measured_x[curve.measured_x > 0].min())
@@ -94,6 +97,7 @@ def stages_figure(title: str, curve: SeriesCurve) -> Figure:
         for place, (number, start, end) in enumerate(stages):
             axes = figure.add_subplot(rows, columns, place + 1)
             _stage(axes, curve, start, end)
+            point_settlement_down(axes, curve.series, curve.y_quantity)
             axes.set_title(f"stage {number}", fontsize=8, loc="left", pad=2)
         figure.supxlabel(with_unit(f"{curve.x_quantity} since the load", curve.x_unit), fontsize=9)
         figure.supylabel(with_unit(curve.y_quantity, curve.y_unit), fontsize=9)

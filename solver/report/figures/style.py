@@ -48,6 +48,7 @@ __all__ = [
     "plain_ticks",
     "plot_gross_errors",
     "plot_measured",
+    "point_settlement_down",
     "png_of",
     "save_figure",
     "shortened",
@@ -175,6 +176,12 @@ def finish(axes: Axes, *, legend: bool = True) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     if legend:
         axes.legend(facecolor=PAPER, framealpha=0.85, edgecolor="none")
+
+
+def point_settlement_down(axes: Axes, series: str, quantity: str) -> None:
+    """Let the y axis of a settlement point downwards, as it is drawn in soil mechanics."""
+    if quantity == "settlement" or series.endswith("settlement"):
+        axes.invert_yaxis()
 
 
 def plain_ticks(axes: Axes, which: str, *, log: bool, most: int = 4, inset: bool = False, whole: bool = False) -> None:

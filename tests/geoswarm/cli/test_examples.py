@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -22,7 +23,8 @@ NAMES = [
         "fortran_pest",
     ),
     *("isotropic_compression", "kratos"),
-    *("oedometer", "opengeosys", "opengeosys_slope", "plaxis", "python_spreadsheet", "slope", "triaxial", "umat"),
+    *("oedometer", "opengeosys", "opengeosys_slope", "pile_tz", "plaxis", "python_spreadsheet", "slope", "triaxial"),
+    "umat",
 ]
 
 
@@ -40,6 +42,11 @@ def test_list_names_every_example_with_what_it_shows(capsys: pytest.CaptureFixtu
         (line,) = [line for line in lines if line.strip().startswith(f"{name} ")]
         heading = (EXAMPLES / name / "README.md").read_text(encoding="utf-8").splitlines()[0]
         assert heading[2:40] in line
+
+
+def test_the_documentation_lists_the_same_examples() -> None:
+    index = (EXAMPLES.parent / "docs" / "index.md").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"^\| \[examples/(\w+)\]", index, re.MULTILINE)) == NAMES
 
 
 def test_json_has_kind_and_method(capsys: pytest.CaptureFixture[str]) -> None:
@@ -69,7 +76,7 @@ def test_an_example_is_written_out_whole(name: str, tmp_path: Path, capsys: pyte
 
 def test_what_needs_a_program_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["examples", "calculix", str(tmp_path)]) == 0
-    assert f"Next: {tmp_path / 'README.md'} says which program it needs, and how to run it" in capsys.readouterr().err
+    assert f"Next: {tmp_path / 'README.md'} says how to run it, and what must be installed" in capsys.readouterr().err
     assert "`ccx`" in (tmp_path / "README.md").read_text(encoding="utf-8")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import time
 from collections import Counter
 
@@ -95,18 +96,21 @@ def test_a_terminal_shows_the_search_and_then_its_answer(monkeypatch: pytest.Mon
         def isatty(self) -> bool:
             return True
 
+    def plain(terminal: io.StringIO) -> str:
+        return re.sub("\x1b\\[[0-9;?]*[A-Za-z]", "", terminal.getvalue())
+
     monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setenv("COLUMNS", "160")
+    monkeypatch.setenv("COLUMNS", "80")
     terminal = Terminal()
     monkeypatch.setattr("sys.stderr", terminal)
-    with progress_bar("clay", 600) as update:
+    with progress_bar("oedometer-san-cassiano", 1590) as update:
         for numbers, words in (
-            ((24, 3, 0.5, None, None), "24 of at most 600 evaluations, generation 3, best objective 0.5"),
-            ((52, 9, 0.25, 40, 47), "search ended after 40 evaluations, intervals: 12 of at most 47"),
-            ((60, 10, 0.25, None, None), "60 of at most 600 evaluations"),
+            ((1240, 3, 4.831e-9, None, None), "━ 1240 of 1590 evaluations, best 4.831e-9 0:00:"),
+            ((1402, 9, 4.831e-9, 1200, 390), "━ intervals: 202 of 390, best 4.831e-9 0:00:"),
+            ((1590, 10, 4.831e-9, None, None), "━ 1590 of 1590 evaluations, best 4.831e-9 0:00:"),
         ):
             update(*numbers)
             until = time.monotonic() + 30.0
-            while words not in terminal.getvalue() and time.monotonic() < until:
+            while words not in plain(terminal) and time.monotonic() < until:
                 time.sleep(0.02)  # it is drawn ten times a second
-            assert words in terminal.getvalue()
+            assert words in plain(terminal)

@@ -130,6 +130,17 @@ def test_without_matplotlib_the_tables_are_still_written(
     )
 
 
+def test_tables_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "output"
+    assert main(["run", write(tmp_path), "--output", str(folder), "--tables-only"]) == 0
+    assert "figures" not in capsys.readouterr().err
+    assert sorted(path.name for path in folder.iterdir()) == (
+        ["evaluations.csv", "generations.csv", "problem.json", "responses.npz", "result.json"]
+    )
+    assert main(["run", write(tmp_path), "--tables-only"]) == 2
+    assert "--tables-only needs --output DIR" in capsys.readouterr().err
+
+
 @pytest.mark.usefixtures("tables_only")
 def test_a_run_without_success_fails_with_its_reasons(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     model = {"kind": "formula", "series": {"y": "ln(-amplitude) * exp(-rate * x)"}}
@@ -141,6 +152,20 @@ def test_a_run_without_success_fails_with_its_reasons(tmp_path: Path, capsys: py
     assert (document["state"], document["objective"], document["parameters"]) == ("failed", None, None)
     assert "all 16 evaluations failed (16 not_finite)" in captured.err
     assert (folder / "evaluations.csv").exists()
+
+
+@pytest.mark.usefixtures("tables_only")
+def test_a_program_that_does_not_use_its_parameters_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = {"kind": "formula", "series": {"y": "0 * amplitude * rate + x"}}
+    assert main(["run", write(tmp_path, forward_model=model, stopping={"max_evaluations": 24})]) == 0
+    assert capsys.readouterr().err.count("runs so far gave the same objective, though their parameters differ") == 1
+
+
+@pytest.mark.usefixtures("tables_only")
+def test_some_failures_are_told_with_their_reasons(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = {"kind": "formula", "series": {"y": "amplitude * exp(-rate * x) + 0 * sqrt(rate - 0.4)"}}
+    assert main(["run", write(tmp_path, forward_model=model, stopping={"max_evaluations": 24})]) == 0
+    assert re.search(r"failed +\d+: \d+ not_finite \(series 'y' is nan", capsys.readouterr().out)
 
 
 def test_output_that_cannot_be_made_is_refused_before_the_run(

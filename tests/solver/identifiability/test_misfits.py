@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from geoswarm.solver.identifiability.misfits import Misfit, sentence_of
+from geoswarm.solver.identifiability.misfits import Misfit, remedies_of, sentence_of
+from tests.solver.problem.test_selection import staged
 
 Q = Misfit("q", None, "pattern", 0.001, 8.1, -21.0, 0.1, None, "kPa", "%")
 END = " The parameters are those of the closest curve, and their intervals do not hold."
@@ -50,3 +51,9 @@ def test_stated_errors_are_told_together() -> None:
         "(8.1 kPa) 2.9 times as large (2 more: see the table), so intervals that rest on them are about as many times "
         "too narrow."
     )
+
+
+def test_a_remedy_that_is_done_is_not_offered() -> None:
+    missed = replace(Q, series="settlement")
+    assert any("stage_x_from" in remedy for remedy in remedies_of(staged(), [missed]))
+    assert not any("stage_x_from" in remedy for remedy in remedies_of(staged(stage_x_from=30), [missed]))

@@ -129,6 +129,11 @@ def test_parameters(parameters: dict[str, Any], begin: str) -> None:
     assert found.startswith(begin)
 
 
+@pytest.mark.parametrize("name", ["K0nc", "M"])
+def test_a_default_that_stands_for_a_derived_value_is_usual(name: str) -> None:
+    assert warnings(parameters={name: {"value": 0.0}}) == ()
+
+
 def test_the_published_search_range_is_wide_and_no_mistake() -> None:
     assert warnings(parameters={"mu_star": {"lower": 1e-5, "upper": 0.75, "scale": "log"}}) == ()
 

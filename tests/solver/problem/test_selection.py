@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import reweighted_problem
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem.points import inlined_document
 
 X = [0.5, 10.0, 60.0, 1440.0, 1440.5, 1500.0, 2880.0]  # min; a load at 0 and at 1440
 
@@ -83,3 +86,41 @@ def test_what_cannot_be_left_out(selection: dict[str, Any], words: str) -> None:
 def test_time_since_a_load_needs_stages_over_time() -> None:
     with pytest.raises(ProblemError, match="does not run over the time of a test in stages"):
         staged("stage_settlement", stage_x_from=1.0)
+
+
+def readings_at(x: list[float], y: list[float], **keys: Any) -> Problem:
+    return staged(points={"x": x, "y": y}, **keys)
+
+
+AT_1440 = [1.0, 1.0, 1440.0, 1440.0, 1441.0]  # min
+BEFORE_AND_AFTER = [0.0, 0.02, 0.1, 0.5, 0.6]  # mm
+
+
+@pytest.mark.parametrize("keys", [{"repeated_x": "average"}, {"resample": {"every": 2}}])
+def test_no_mean_is_taken_across_a_load(keys: dict[str, Any], tmp_path: Path) -> None:
+    words = r"repeated_x: 2 readings at x = 1440, where stage 2 begins, are from 0.1 to 0.5: .* repeated_x: shift"
+    with pytest.raises(ProblemError, match=words):
+        readings_at(AT_1440, BEFORE_AND_AFTER, x_factor=1.0, **keys)
+    rows = "".join(f"{x / 60.0!r},{y!r}\n" for x, y in zip(AT_1440, BEFORE_AND_AFTER, strict=True))
+    (tmp_path / "a.csv").write_text("time [h],s [mm]\n" + rows, encoding="utf-8")
+    document = staged().document()
+    document["observations"] = [{"series": "settlement", "file": "a.csv", "x_column": "time", "y_column": "s", **keys}]
+    (tmp_path / "problem.json").write_text(json.dumps(document), encoding="utf-8")
+    with pytest.raises(ProblemError, match="2 readings at x = 24, where stage 2 begins"):
+        inlined_document(tmp_path / "problem.json")
+
+
+def test_means_end_at_a_load() -> None:
+    (equal,) = readings_at(AT_1440, [0.0, 0.02, 0.1, 0.1, 0.6], repeated_x="average").observations
+    np.testing.assert_allclose(equal.y * 1e3, [0.01, 0.1, 0.6], rtol=1e-12)
+    (shifted,) = readings_at(AT_1440, BEFORE_AND_AFTER, repeated_x="shift").observations
+    np.testing.assert_allclose(shifted.x[2:4] * 1440.0, [1440.0, 1440.5], rtol=1e-12)
+    (few,) = readings_at(X, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], resample={"every": 3}).observations
+    np.testing.assert_allclose(few.y * 1e3, [1.0, 3.0, 4.5, 6.0], rtol=1e-12)
+    (few,) = readings_at(X[2:5], [0.0, 1.0, 2.0], resample={"per_decade": 1}).observations
+    np.testing.assert_allclose(few.y * 1e3, [0.0, 1.0, 2.0], rtol=1e-12)
+
+
+def test_the_remedy_for_equal_times_at_a_load_is_to_shift() -> None:
+    with pytest.raises(ProblemError, match=r"follows x = 1440 min \(point 1\); repeated_x: shift takes the first"):
+        readings_at([1440.0, 1440.0, 1441.0], [0.1, 0.5, 0.6])

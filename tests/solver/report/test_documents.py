@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from reportlab.platypus import Paragraph, SimpleDocTemplate, Spacer, Table
 
 from geoswarm.solver.report.document.build import report_of_result
-from geoswarm.solver.report.document.pdf import shared_width
+from geoswarm.solver.report.document.pdf import heading_of, shared_width
 from geoswarm.solver.report.folder.reading import FolderError, report_of_folder, run_of_folder
 from geoswarm.solver.report.folder.tables import (
     write_evaluations,
@@ -107,6 +110,21 @@ def test_a_swarm_ends_at_the_minimum_and_its_parameters_are_identified(swarm: Ru
 def test_report_of_2000_runs_is_small(sampling: Run) -> None:
     assert len(sampling.page) < 3e6
     assert len(sampling.pdf) < 3e6
+
+
+@pytest.mark.parametrize("room", [30.0, 300.0])
+def test_a_heading_does_not_stand_alone_at_the_foot_of_a_page(room: float, sampling: Run) -> None:
+    assert sampling.pdf  # has registered the fonts
+    pages: dict[type[Any], int] = {}
+
+    class Document(SimpleDocTemplate):  # type: ignore[misc]
+        def afterFlowable(self, flowable: Any) -> None:
+            pages[type(flowable)] = self.page
+
+    document = Document(io.BytesIO(), pagesize=(400, 600), topMargin=50, bottomMargin=50)
+    room += 6  # of the frame's padding
+    document.build([Spacer(1, 500 - 6 - room), *heading_of("Readings", "subheading"), Table([["a"]], rowHeights=[40])])
+    assert pages[Paragraph] == pages[Table] == (1 if room > 100 else 2)
 
 
 def test_pdf_is_one_and_has_pages_with_a_title(sampling: Run) -> None:

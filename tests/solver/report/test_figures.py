@@ -129,12 +129,15 @@ def test_fit_shows_measured_initial_identified_and_residuals(swarm: Run) -> None
     residuals = lower.get_lines()[1].get_ydata()
     assert np.allclose(residuals, 1e3 * (best.responses["settlement"] - observation.y), rtol=0, atol=1e-9)
     assert (upper.get_ylabel(), lower.get_ylabel()) == ("settlement [mm]", "residual [mm]")
+    assert upper.yaxis_inverted()
+    assert lower.yaxis_inverted()
 
 
 def test_stages_run_over_the_logarithm_of_time(swarm: Run) -> None:
     figure = swarm.report.figures.draw("stages.settlement")
     assert len(figure.axes) == 16
     assert {axes.get_xscale() for axes in figure.axes} == {"log"}
+    assert all(axes.yaxis_inverted() for axes in figure.axes)
     assert figure.axes[0].get_title(loc="left") == "stage 1"
     assert figure.get_supxlabel() == "time since the load [min]"
 

@@ -1,6 +1,6 @@
 // Convergence and fits of several jobs, a colour and a dash each.
 import { element, empty } from "../dom.js";
-import { withUnit } from "../format.js";
+import { direction, withUnit } from "../format.js";
 import { DASHES, SYMBOLS, colour, palette, plot } from "../plot.js";
 import { common } from "./tables.js";
 
@@ -74,7 +74,7 @@ function fitOf(name, loaded) {
     data: [...measured, ...curves],
     layout: {
       xaxis: { title: { text: withUnit(first.x_quantity, first.x_unit) } },
-      yaxis: { title: { text: withUnit(first.y_quantity, first.y_unit) } },
+      yaxis: { title: { text: withUnit(first.y_quantity, first.y_unit) }, ...direction(name, first.y_quantity) },
       showlegend: true, height: 360,
     },
     label: `${name}: measured points and the best evaluation of ${curves.length} jobs`,

@@ -1,5 +1,5 @@
 // The figure of one series: measured points, curves of evaluations, and residuals below.
-import { number, withUnit } from "../format.js";
+import { direction, number, withUnit } from "../format.js";
 import { DASHES, colour, grossErrors, palette } from "../plot.js";
 
 const NAMES = { initial: "first evaluation", best: "best", chosen: "this evaluation" };
@@ -41,6 +41,7 @@ export function fitPlot(fit, name, { time = "linear", initial = true } = {}) {
   const [xTitle, yTitle] = [withUnit(series.x_quantity, series.x_unit), withUnit(series.y_quantity, series.y_unit)];
   const left = (curve) => curve.values[name].map((value, i) => (value === null ? null : value - series.measured[i]));
   const main = curves.filter(({ role }) => role !== "initial");
+  const down = direction(name, series.y_quantity);
   const struck = series.gross_x.length > 0;
   const stages = time === "stages" ? stagesOf(series) : null;
   const anchors = time === "linear" ? series.breaks.filter((x) => x <= series.x.at(-1)) : [];
@@ -65,8 +66,8 @@ export function fitPlot(fit, name, { time = "linear", initial = true } = {}) {
     ],
     layout: {
       xaxis: { ...axis, anchor: main.length ? "y2" : "y" },
-      yaxis: { title: { text: yTitle }, domain: main.length ? [0.36, 1] : [0, 1] },
-      ...(main.length ? { yaxis2: { title: { text: withUnit("residual", series.y_unit) }, domain: [0, 0.26], zeroline: true, zerolinecolor: colour("--edge") } } : {}),
+      yaxis: { title: { text: yTitle }, domain: main.length ? [0.36, 1] : [0, 1], ...down },
+      ...(main.length ? { yaxis2: { title: { text: withUnit("residual", series.y_unit) }, domain: [0, 0.26], zeroline: true, zerolinecolor: colour("--edge"), ...down } } : {}),
       shapes: [
         ...anchors.map((at) => ({ type: "line", x0: at, x1: at, yref: "paper", y0: 0, y1: 1, line: { color: colour("--plot-grid"), width: 1, dash: "dot" }, layer: "below" })),
         ...(stages ? stages.starts.slice(1).map((_, i) => ({ type: "line", x0: i + 0.95, x1: i + 0.95, yref: "paper", y0: 0, y1: 1, line: { color: colour("--plot-grid"), width: 1, dash: "dot" }, layer: "below" })) : []),

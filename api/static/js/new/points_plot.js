@@ -1,5 +1,5 @@
 // Measured points, and what a test run calculates at them.
-import { withUnit } from "../format.js";
+import { direction, withUnit } from "../format.js";
 import { grossErrors, palette, plot } from "../plot.js";
 
 const MOST_DRAWN = 5000;
@@ -12,8 +12,7 @@ const thinned = (values) => {
 
 /**
  * A plot of `make()`: {x, y, gross?, calculated?, label, xLabel: [quantity, unit], yLabel}; `gross` are numbers of gross
- * errors, from 1; `calculated` has an x of its own, as readings may take no part. Settlements count downwards in the
- * data, so nothing is turned round here.
+ * errors, from 1; `calculated` has an x of its own, as readings may take no part. `label` is the series.
  */
 export function pointsPlot(place, make) {
   return plot(place, () => {
@@ -28,7 +27,7 @@ export function pointsPlot(place, make) {
     const [xName, yName] = [withUnit(...xLabel), withUnit(...yLabel)];
     return {
       data: [measured, run, marked].filter(Boolean),
-      layout: { height: 300, showlegend: Boolean(run ?? marked), xaxis: { title: { text: xName } }, yaxis: { title: { text: yName } } },
+      layout: { height: 300, showlegend: Boolean(run ?? marked), xaxis: { title: { text: xName } }, yaxis: { title: { text: yName }, ...direction(label, yLabel[0]) } },
       label: `${label}: ${yName} over ${xName}, ${x.length} readings${run ? " and the test run" : ""}${struck.size ? `, ${struck.size} marked as gross errors` : ""}`,
       columns: { [xName]: x, [`${yName} measured`]: y, ...(run ? { [`${xName} calculated`]: calculated.x, [`${yName} calculated`]: calculated.y } : {}) },
     };

@@ -1,6 +1,6 @@
 // Measured points, the best fit, and what the chosen evaluations span.
 import { element } from "../dom.js";
-import { count, withUnit } from "../format.js";
+import { count, direction, withUnit } from "../format.js";
 import { colour, palette, plot } from "../plot.js";
 
 const MOST_NUMBERS = 2e7;
@@ -67,7 +67,7 @@ export class FitPlot {
     this.note.textContent = told;
     return {
       data,
-      layout: { height: 360, xaxis: { title: { text: withUnit(across, xUnit) } }, yaxis: { title: { text: withUnit(up, yUnit) } } },
+      layout: { height: 360, xaxis: { title: { text: withUnit(across, xUnit) } }, yaxis: { title: { text: withUnit(up, yUnit) }, ...direction(name, up) } },
       label: `Fit of ${name}: measured, best fit, and the band of ${this.chosen.length} chosen evaluations`,
       columns,
     };

@@ -1,6 +1,6 @@
 // What comes next: predictions with the uncertainty of what was identified, and which test to do next.
 import { element, once } from "../dom.js";
-import { number, percent, symbol, withUnit } from "../format.js";
+import { direction, number, percent, symbol, withUnit } from "../format.js";
 import { get, post } from "../http.js";
 import { DASHES, colour, palette, plot } from "../plot.js";
 
@@ -102,7 +102,7 @@ function bandFigure({ level, basins }, one) {
   if (one.measured) data.push({ x: one.x, y: one.measured, mode: "markers", name: "measured", marker: { color: colour("--ink"), symbol: "circle-open" } });
   const title = (words) => ({ title: { text: words } });
   const columns = { [withUnit(one.x_quantity, one.x_unit)]: one.x, median: one.median, lower: one.lower, upper: one.upper };
-  return { data, layout: { height: 340, xaxis: title(withUnit(one.x_quantity, one.x_unit)), yaxis: title(withUnit(one.y_quantity, one.y_unit)), legend: { orientation: "h", y: -0.25 } }, label: `Prediction of ${one.series}: median and ${text}`, columns };
+  return { data, layout: { height: 340, xaxis: title(withUnit(one.x_quantity, one.x_unit)), yaxis: { ...title(withUnit(one.y_quantity, one.y_unit)), ...direction(one.series, one.y_quantity) }, legend: { orientation: "h", y: -0.25 } }, label: `Prediction of ${one.series}: median and ${text}`, columns };
 }
 
 /** A colour of the palette, #rrggbb or rgb(), that lets others through. */

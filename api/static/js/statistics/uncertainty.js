@@ -1,6 +1,6 @@
 // Follow-ups that evaluate more around the optimum, and what they have found: intervals and profiles.
 import { doubt } from "../alarm.js";
-import { FOLLOW_UPS, affordable, costWords } from "../costs.js";
+import { BUTTONS, FOLLOW_UPS, affordable, costWords, withButtons } from "../costs.js";
 import { element, exchange, once } from "../dom.js";
 import { count, ends, number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
@@ -12,9 +12,9 @@ const widened = ({ bent, interval_basis: basis, widening }) => bent || !["correl
 const AGAIN_SECONDS = 2;
 
 const KINDS = [
-  ["sensitivity", "sensitivity", "Sensitivities at the optimum", "Goes to the minimum; standard errors, intervals, combinations"],
-  ["profile", "profile", "Profiles of all parameters", "The lowest objective for every value of a parameter; needs the sensitivities first"],
-  ["explore", "explore", "Look for further basins", "Runs where a second basin is most likely: swapped values, other good runs, unexplored places"],
+  ["sensitivity", "sensitivity", BUTTONS.sensitivity, "Goes to the minimum; standard errors, intervals, combinations"],
+  ["profile", "profile", BUTTONS.profile, "The lowest objective for every value of a parameter; needs the sensitivities first"],
+  ["explore", "explore", BUTTONS.explore, "Runs where a second basin is most likely: swapped values, other good runs, unexplored places"],
   ["sobol", "global-sensitivity", "Global sensitivity (Sobol)", "Influence over the whole searched space"],
 ];
 
@@ -89,7 +89,7 @@ export class Uncertainty {
   }
 
   intervals({ linearisation, notes, fit }) {
-    const remarks = notes.map((text) => element("p", { class: "help" }, text));
+    const remarks = notes.map((text) => element("p", { class: "help" }, withButtons(text)));
     if (!linearisation) return [element("p", { class: "empty" }, "No sensitivities at the optimum have been evaluated yet."), ...remarks];
     const rows = Object.entries(linearisation.parameters).map(([name, at]) => element("tr", {}, element("th", { scope: "row" }, `${symbol(name)}${this.units[name] === "-" ? "" : ` [${this.units[name]}]`}`),
       element("td", { class: "n" }, number(at.value, 5)), element("td", { class: "n" }, number(at.standard_error, 3)),

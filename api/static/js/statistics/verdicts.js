@@ -1,4 +1,5 @@
 // What the data say about each parameter, in words, with the evidence and what to do about it.
+import { withButtons } from "../costs.js";
 import { element } from "../dom.js";
 import { coefficient as fixed, count, ends, number, percent, symbol } from "../format.js";
 
@@ -10,7 +11,7 @@ const DO = { fix: "Fix", link: "Link", widen: "Widen" };
 export function verdictCards(verdicts, units, plan) {
   return verdicts.map(({ parameter, kind, words, sentence, evidence, proposals }) => element("article", { class: `card ${kind}`, id: `verdict-${parameter}`, "data-parameter": parameter },
     element("h3", {}, `${symbol(parameter)}${unitOf(units[parameter])}`, element("span", { class: "badge" }, `${SIGNS[kind] ?? ""}${words}`)),
-    element("p", {}, sentence),
+    element("p", {}, withButtons(sentence)),
     element("details", {}, element("summary", {}, "Evidence"), evidenceList(evidence)),
     proposals.map((proposal) => suggestion(proposal, plan))));
 }

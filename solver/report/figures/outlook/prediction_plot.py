@@ -20,6 +20,7 @@ from geoswarm.solver.report.figures.style import (
     head,
     plain_ticks,
     plot_measured,
+    point_settlement_down,
     with_unit,
 )
 from geoswarm.solver.words import share
@@ -132,6 +133,7 @@ def _panel(axes: Axes, one: PredictedSeries, prediction: Prediction) -> None:
             set_limits(axes, "x", float(one.x[0]) - half, float(one.x[0]) + half)
         plain_ticks(axes, "x", log=False, most=6)
     plain_ticks(axes, "y", log=False, most=6)
+    point_settlement_down(axes, one.series, one.y_quantity)
     finish(axes, legend=False)
 
 
