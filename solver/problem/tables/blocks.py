@@ -9,12 +9,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from geoswarm.solver.problem.tables.dates import is_moment, time_of_day
-from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit, without_brackets
+from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit, units_of, without_brackets
 from geoswarm.solver.problem.tables.numerals import two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
+from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_reading", "key", "unit_of_cell"]
+__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_heading", "is_reading", "key", "unit_of_cell"]
 
 Rows = Sequence[tuple[int, Sequence[Cell]]]
 """Rows of a file that are not empty, with the numbers of their lines."""
@@ -22,6 +23,7 @@ Rows = Sequence[tuple[int, Sequence[Cell]]]
 _DEEPEST = 1000
 """Rows within which the headings are looked for."""
 _MOST_SPARSE = 20
+_NO_UNITS = "-–—1"
 _MOST_HEADINGS = 4
 _LONG_ENOUGH = 3
 SAMPLE = 2000
@@ -53,7 +55,7 @@ def is_reading(cell: Cell) -> bool:
     """Whether a cell holds a number, with its unit or without, a date, a time of day or a formula."""
     if isinstance(cell, float):
         return True
-    if not cell or not (cell[0].isdigit() or cell[0] in "+-.,=("):
+    if not cell or not (cell[0].isdigit() or cell[0] in "+-\u2212.,=("):
         return False
     return (
         cell_number(cell) is not None
@@ -63,6 +65,14 @@ def is_reading(cell: Cell) -> bool:
         or time_of_day(cell) is not None
         or number_with_unit(cell) is not None
     )
+
+
+def is_heading(cell: Cell) -> bool:
+    """Whether a cell is the name of a quantity, or a unit."""
+    if not isinstance(cell, str) or is_reading(cell):
+        return False
+    unit = unit_of_cell(cell)
+    return (unit or "-") not in _NO_UNITS or any(one.certain for one in units_of(cell)) or quantities_of(cell) != ()
 
 
 def unit_of_cell(cell: Cell) -> str | None:
@@ -85,7 +95,9 @@ def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
         unit for cell, unit in units if unit is not None and (cell != unit or not (unit[0].isdigit() or unit in "-–—"))
     )
     return any(len(unit) > 1 or unit in "%‰°" for unit in sure) or (
-        letters and any(unit not in "-–—1" for _, unit in units if unit) and all(unit is not None for _, unit in units)
+        letters
+        and any(unit not in _NO_UNITS for _, unit in units if unit)
+        and all(unit is not None for _, unit in units)
     )
 
 

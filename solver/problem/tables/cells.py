@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +24,8 @@ from geoswarm.solver.problem.tables.reading import (
     table_rows,
 )
 from geoswarm.solver.problem.tables.workbooks import read_workbook
+
+_WORD = re.compile(r"[^\W\d_]{3}")
 
 __all__ = ["Sheet", "file_content", "number_in", "read_cells", "without_units"]
 
@@ -174,12 +177,26 @@ def _sheet(
     grid = dict(rows)
     if not rows:
         return Sheet(sheets, sheet, comments, 1, [], [], grid)
-    if block is not None and not _only_numbers(rows[0][1]):
-        return Sheet(sheets, sheet, comments, rows[block.place][0], block.header, rows[block.below :], grid)
+    if block is not None and (block.named or not _only_numbers(rows[0][1])):
+        return Sheet(sheets, sheet, comments, rows[block.place][0], block.header, _body(rows, block), grid)
     line, cells = rows[first]
     if _only_numbers(cells):
         return Sheet(sheets, sheet, comments, line, [], rows[first:], grid)
     return Sheet(sheets, sheet, comments, line, [str(cell).strip() for cell in cells], rows[first + 1 :], grid)
+
+
+def _body(rows: list[tuple[int, list[Cell]]], block: Block) -> list[tuple[int, list[Cell]]]:
+    """Rows below the headings, without the same headings once more and without lines of words at the end."""
+    heads = [row for _, row in rows[block.place : block.below]]
+    body = [(line, row) for line, row in rows[block.below :] if row not in heads]
+    while body and _is_line_of_words(body[-1][1]):
+        body.pop()
+    return body
+
+
+def _is_line_of_words(row: list[Cell]) -> bool:
+    filled = [cell for cell in row if cell != ""]
+    return len(filled) == 1 and not is_reading(filled[0]) and _WORD.search(str(filled[0])) is not None
 
 
 def _only_numbers(row: list[Cell]) -> bool:
