@@ -5,6 +5,7 @@ A table is a row of names, then perhaps rows of units, then rows with at least t
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -15,7 +16,7 @@ from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_heading", "is_reading", "key", "unit_of_cell"]
+__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_heading", "is_reading", "key", "unit_of_cell", "with_units"]
 
 Rows = Sequence[tuple[int, Sequence[Cell]]]
 """Rows of a file that are not empty, with the numbers of their lines."""
@@ -24,6 +25,7 @@ _DEEPEST = 1000
 """Rows within which the headings are looked for."""
 _MOST_SPARSE = 20
 _NO_UNITS = "-–—1"
+_JOINING = ("in", "/", "-", "–", ":", "|", "=")
 _MOST_HEADINGS = 4
 _LONG_ENOUGH = 3
 SAMPLE = 2000
@@ -86,6 +88,37 @@ def unit_of_cell(cell: Cell) -> str | None:
     return text if is_unit(text) else None
 
 
+def with_units(cells: Sequence[str], width: int) -> Sequence[str]:
+    """Headings between blanks with their units, where these then are as many as there are columns; else as they are.
+
+    Each column has one word with a unit or without, or each ends with a unit. A letter is a unit behind a sign only:
+    it may be a name.
+    """
+    names: list[str] = []
+    ends: list[bool] = []
+    place = 0
+    while place < len(cells):
+        joined = cells[place] in _JOINING or (place > 0 and cells[place - 1][-1:] in ":=/")
+        first = place + (cells[place] in _JOINING)
+        for count in (3, 2, 1):
+            unit = " ".join(cells[first : first + count])
+            if names and is_unit(unit) and (joined or len(unit) > 1 or unit in "%‰°"):
+                names[-1] = " ".join([names[-1], *cells[place : first + count]])
+                ends[-1] = True
+                place = first + count
+                break
+        else:
+            names.append(cells[place])
+            ends.append(cells[place][-1:] in "])}")
+            place += 1
+    if len(names) == width:
+        return names
+    if ends and ends[-1] and sum(ends) == width:
+        starts = [0, *(place for place, end in enumerate(ends, 1) if end)]
+        return [" ".join(names[start:end]) for start, end in itertools.pairwise(starts)]
+    return cells
+
+
 def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
     """Whether a row holds units: no reading, and one in brackets or of several letters, or all are units."""
     units = [(cell, unit_of_cell(cell)) for cell in row if cell != ""]
@@ -96,7 +129,7 @@ def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
     )
     return any(len(unit) > 1 or unit in "%‰°" for unit in sure) or (
         letters
-        and any(unit not in _NO_UNITS for _, unit in units if unit)
+        and any(unit not in _NO_UNITS and not unit[0].isdigit() for _, unit in units if unit)
         and all(unit is not None for _, unit in units)
     )
 
@@ -130,9 +163,10 @@ def _below_names(rows: Rows, place: int, index: int) -> bool:
 def _block(rows: Rows, readings: Sequence[frozenset[int]], place: int, names: set[str]) -> Block | None:
     below = place + 1
     for index in range(below, min(below + _MOST_HEADINGS, len(readings))):
-        if readings[index] and not _is_units(rows[index][1]):
+        units = _is_units(rows[index][1], letters=_below_names(rows, place, index))
+        if readings[index] and not units:
             break
-        if _is_units(rows[index][1], letters=_below_names(rows, place, index)):
+        if units:
             below = index + 1
     header = _header(rows, place, below)
     places = {index for index, name in enumerate(header) if name}

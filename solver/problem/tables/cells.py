@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading
+from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, with_units
 from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import (
@@ -117,7 +117,7 @@ def read_cells(
     comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
     lines = table_lines(text, name)
     separator, block = _separated(lines, name, wanted)
-    rows = [(line, list[Cell](cells)) for line, cells in table_rows(lines, name, separator)]
+    rows = [(line, list[Cell](cells)) for line, cells in _rows(lines, name, separator)]
     read = _sheet((), None, comments, rows, block, 0)
     width = len(read.header) or len(rows[0][1]) if rows else 0
     refuse_surplus(read.rows, width, name, separator)
@@ -129,7 +129,7 @@ def _separated(lines: list[tuple[int, str]], name: str, wanted: list[str]) -> tu
     best: tuple[tuple[bool, int, int], str, Block] | None = None
     for separator in SEPARATORS:
         try:
-            rows = table_rows(lines[:SAMPLE], name, separator)
+            rows = _rows(lines[:SAMPLE], name, separator)
         except TableError:
             continue
         block = begin(rows, wanted)
@@ -144,6 +144,17 @@ def _separated(lines: list[tuple[int, str]], name: str, wanted: list[str]) -> tu
         return best[1], best[2]
     first = lines[0][1] if lines else ""
     return next((sign for sign in ";\t" if sign in first), _without_heading(lines)), None
+
+
+def _rows(lines: list[tuple[int, str]], name: str, separator: str) -> list[tuple[int, list[str]]]:
+    """Cells of the lines; between blanks, a heading of several words is one cell where its unit shows where it ends."""
+    rows = table_rows(lines, name, separator)
+    if separator == BLANKS:
+        for place, (_, cells) in enumerate(rows[1:SAMPLE]):
+            line, above = rows[place]
+            if len(above) > len(cells) > 1 and all(cell_number(cell) is not None for cell in cells):
+                rows[place] = line, list(with_units(above, len(cells)))
+    return rows
 
 
 def _without_heading(lines: list[tuple[int, str]]) -> str:

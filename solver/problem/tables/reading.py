@@ -39,7 +39,7 @@ SEPARATORS = (";", "\t", ",", WIDE_BLANKS, BLANKS)
 
 _WIDE = re.compile(r"\s*\t\s*|\s{2,}")
 _BRACKET = re.compile(r"\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\}")
-_NAMED = re.compile(r"(?<=\S)\s+(?=[\[({])")
+_NAMED = re.compile(r"(?<=\S)\s+(?=(?:\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\})(?:\s|$))")
 _MOST_DIGITS = 1100  # a float written out in full has 1075 at most
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)

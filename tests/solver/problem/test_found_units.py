@@ -122,6 +122,8 @@ def test_a_table_below_the_lines_of_a_machine(tmp_path: Path) -> None:
         ("eps   q   Void ratio\n[%]    [kPa]    [-]\n\n0.1\t10\t1.03\n1\t40\t1.02\n10\t60\t1.01\n", [0.001, 0.01, 0.1]),
         ("sigma3'   eps   q\n[kPa]    [%]     [kPa]\n\n5\t0.1\t10\n5\t1\t40\n5\t10\t60\n", [0.001, 0.01, 0.1]),
         ("Versuch 7 vom 3. Mai\neps\tq\n%\tkPa\n0,1\t10\n1\t40\n10\t60\n", [0.001, 0.01, 0.1]),
+        ("eps / % q in kPa\n0.1 10\n1 40\n10 60\n", [0.001, 0.01, 0.1]),
+        ("Versuch 7\n[%]eps [kPa]q\n0.1 10\n1 40\n10 60\n", [0.001, 0.01, 0.1]),
         ('"eps\n[%]";"q\n[kPa]"\n0,1;10\n1;40\n10;60\n', [0.001, 0.01, 0.1]),
         ("Pruefung 4;;\neps [%];q [kPa];\n0,1;10;\n1;40;\n10;60;\n", [0.001, 0.01, 0.1]),
     ],
@@ -133,6 +135,9 @@ def test_separators_and_titles(text: str, x: list[float], tmp_path: Path) -> Non
 
 
 def test_an_empty_cell_between_blanks_is_refused(tmp_path: Path) -> None:
+    assert "the header has: eps m q" in refused(
+        tmp_path, "q.txt", "eps m q\n0.001 10\n0.01 40\n", x_column="eps", y_column="q"
+    )
     text = "n eps q\n1 0.001 10\n2 0.01 40\n3 60\n"
     assert "line 4: 2 cells under 3 headings (3, 60); where cells are empty" in refused(
         tmp_path, "q.txt", text, x_column="eps", y_column="q"
