@@ -16,7 +16,7 @@ from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_heading", "is_reading", "key", "unit_of_cell", "with_units"]
+__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_heading", "is_reading", "key", "shown", "unit_of_cell", "with_units"]
 
 Rows = Sequence[tuple[int, Sequence[Cell]]]
 """Rows of a file that are not empty, with the numbers of their lines."""
@@ -143,7 +143,9 @@ def begin(rows: Rows, wanted: Iterable[str] = ()) -> Block | None:
     longest: Block | None = None
     readings = [_readings(row) for _, row in rows[:SAMPLE]]
     for place, (_, row) in enumerate(rows[:_DEEPEST]):
-        if readings[place] or not any(cell != "" for cell in row) or _is_units(row):
+        if not any(cell != "" for cell in row) or _is_units(row):
+            continue
+        if readings[place] and not _names_all(row, readings[place], names):
             continue
         block = _block(rows, readings, place, names)
         if block is None:
@@ -153,6 +155,18 @@ def begin(rows: Rows, wanted: Iterable[str] = ()) -> Block | None:
         if longest is None or longest.length < min(block.length, _LONG_ENOUGH):
             longest = block
     return longest
+
+
+def _names_all(row: Sequence[Cell], readings: frozenset[int], names: set[str]) -> bool:
+    """Whether a row with numbers has all names that are wanted: loads may be headings."""
+    words = any(cell != "" and index not in readings for index, cell in enumerate(row))
+    headings = [shown(cell) for cell in row] if words and names else []
+    return bool(headings) and all(any(name in _keys(heading) for heading in headings) for name in names)
+
+
+def shown(cell: Cell) -> str:
+    """A cell as text, a number without a needless fraction."""
+    return f"{cell:.15g}" if isinstance(cell, float) else cell.strip()
 
 
 def _below_names(rows: Rows, place: int, index: int) -> bool:
@@ -209,7 +223,7 @@ def _header(rows: Rows, place: int, below: int) -> list[str]:
         over = []
     header = []
     for index in range(max(len(row), *(len(one) for one in units), 0)):
-        name = str(_at(row, index)).strip() or str(_at(over, index)).strip()
+        name = shown(_at(row, index)) or shown(_at(over, index))
         for one in units:
             unit = str(_at(one, index)).strip()
             if unit:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, with_units
+from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, with_units
 from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import (
@@ -193,7 +193,7 @@ def _sheet(
     line, cells = rows[first]
     if _only_numbers(cells):
         return Sheet(sheets, sheet, comments, line, [], rows[first:], grid)
-    return Sheet(sheets, sheet, comments, line, [str(cell).strip() for cell in cells], rows[first + 1 :], grid)
+    return Sheet(sheets, sheet, comments, line, [shown(cell) for cell in cells], rows[first + 1 :], grid)
 
 
 def _body(rows: list[tuple[int, list[Cell]]], block: Block) -> list[tuple[int, list[Cell]]]:

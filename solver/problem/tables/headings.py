@@ -331,7 +331,8 @@ def _factor(text: str) -> str:
         value = 10.0 ** int(power[1] or power[2])
     else:
         value = float(plain)
-    return f"{value:.12g}" if 1e-6 <= value < 1.0 or value in (10.0, 100.0, 1000.0) else ""
+    larger = value in (10.0, 100.0, 1000.0) and not text.isdigit()  # "q [100 kPa]": of the test at that pressure
+    return f"{value:.12g}" if 1e-6 <= value < 1.0 or larger else ""
 
 
 def _spelled(text: str) -> str | None:

@@ -249,6 +249,7 @@ def test_words_that_are_no_units(heading: str) -> None:
                 "q in kPa^(1/2)",
             )
         ),
+        ("q [100 kPa]", "names '100 kPa', which is not a known unit"),
         *((heading, "has no unit") for heading in ("q in 10 kPa", "q hundert kPa", "q bei 100 kPa")),
         ("q [kPa] (psi)", "column 'q [kPa] (psi)' names several units, kPa and psi; y_unit says which holds"),
     ],
@@ -339,6 +340,14 @@ def test_quotes_above_the_table_and_text_without_a_byte_order_mark(encoding: str
     text = '"Hoehe (mm)","20"\n"Probe\n20;71,4\n"eps\nnach Umbau\n[%]";q [kPa]\n0,1;10\n1;\u221240\n'
     found = triaxial(tmp_path, "q.csv", text.encode(encoding), x_column="eps nach Umbau", y_column="q")
     assert found.y.tolist() == [10.0, -40.0]
+
+
+def test_loads_may_be_headings(tmp_path: Path) -> None:
+    rows = sheet_rows(("q in kPa, by cell pressure",), ("eps [-]", 25.0, 50.0), (0.001, 5.0, 10.0), (0.01, 20.0, 40.0))
+    keys = {"x_column": "eps", "y_column": "50", "y_unit": "kPa"}
+    assert triaxial(tmp_path, "q.xlsx", workbook(("s", rows)), **keys).y.tolist() == [10.0, 40.0]
+    text = "by cell pressure\neps [-];25;50\n0,001;5;10\n0,01;20;40\n"
+    assert triaxial(tmp_path, "q.csv", text, **keys).y.tolist() == [10.0, 40.0]
 
 
 def test_units_of_cells_are_asked_for_as_such(tmp_path: Path) -> None:
