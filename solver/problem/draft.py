@@ -16,7 +16,7 @@ from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.problem.assembly import parse_problem
 from geoswarm.solver.problem.problem import Problem
-from geoswarm.solver.problem.tables.lines import line_of, lines_of
+from geoswarm.solver.problem.text.lines import line_of, lines_of
 from geoswarm.solver.problem.text.reading import plain_document, read_document
 from geoswarm.solver.problem.text.writing import problem_yaml
 

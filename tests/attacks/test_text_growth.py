@@ -25,9 +25,9 @@ from geoswarm.solver.problem.draft import draft_of_text
 from geoswarm.solver.problem.tables.cells import read_cells
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import guess_unit, units_in_comments
-from geoswarm.solver.problem.tables.lines import lines_of
 from geoswarm.solver.problem.tables.reading import TableError, cell_number, table_lines, table_rows
 from geoswarm.solver.problem.text.json_places import duplicate_place
+from geoswarm.solver.problem.text.lines import lines_of
 from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import did_you_mean, typeset
 from geoswarm.workers.errors import InvalidCursorError

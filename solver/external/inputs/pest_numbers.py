@@ -83,8 +83,7 @@ def _written(digits: str, exponent: int, point: bool) -> Iterator[str]:
             yield from (f"{whole}.0", f"{whole}.")
             if not point:
                 yield whole
-    yield f"{digits[0]}.{digits[1:]}e{exponent}"
-    if count > 1:
-        yield f".{digits}e{exponent + 1}"
+    for before in (*range(1, count + 1), 0):  # 12.3e9 is shorter than 1.23e10
+        yield f"{digits[:before]}.{digits[before:]}e{exponent + 1 - before}"
     if not point:
         yield f"{digits}e{exponent - count + 1}"

@@ -6,6 +6,7 @@ equal to the number of its points make the objective PEST's own.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +21,12 @@ MOST = 10_000
 """Observations of a series; a group with more becomes several."""
 
 _KEYED = re.compile(r"(?:^|[_,;])(?P<key>[a-z]\w*?):(?P<number>[+-]?\d+(?:\.\d*)?(?:e[+-]?\d+)?)(?=$|[_,;])")
-_NUMBERED = re.compile(r"(?P<stem>.*?)(?P<number>\d+(?:\.\d+)?)")
+_NUMBER = r"(?:\d+(?:\.\d*)?e[+-]\d+|\d+\.\d*e\d+|\d+(?:\.\d+)?)"
+_NUMBERED = (
+    re.compile(rf"(?P<stem>.*?)(?P<number>(?:(?<![^\W_])[+-])?{_NUMBER})"),
+    re.compile(rf"(?P<stem>.*?)(?P<number>[+-]?{_NUMBER})"),
+)
+"""A hyphen behind a letter or a figure separates, as in ``h-1``; it is a sign if other names have none there."""
 _KEYS = ("time", "t", "day", "days", "x", "depth", "distance", "dist", "y", "z", "kper", "step")
 
 
@@ -126,11 +132,11 @@ def told_x(names: Sequence[str]) -> tuple[list[float], str]:
             values = [pairs[key] for pairs in keyed if key in pairs]
             if len(values) == len(names) and _apart(values):
                 return values, f"{key} in the names"
-        ends = [_NUMBERED.fullmatch(name) for name in names]
-        matches = [end for end in ends if end is not None]
-        numbers = [float(end["number"]) for end in matches]
-        if len(matches) == len(names) and len({end["stem"] for end in matches}) == 1 and _apart(numbers):
-            return numbers, "the number at the end of the names"
+        for form in _NUMBERED:
+            matches = [end for end in map(form.fullmatch, names) if end is not None]
+            numbers = [float(end["number"]) for end in matches]
+            if len(matches) == len(names) and len({end["stem"] for end in matches}) == 1 and _apart(numbers):
+                return numbers, "the number at the end of the names"
     return [float(number) for number in range(1, len(names) + 1)], (
         "the running number: nothing else can be told from the names"
     )
@@ -138,4 +144,4 @@ def told_x(names: Sequence[str]) -> tuple[list[float], str]:
 
 def _apart(values: Iterable[float]) -> bool:
     listed = list(values)
-    return len(set(listed)) == len(listed)
+    return len(set(listed)) == len(listed) and all(map(math.isfinite, listed))

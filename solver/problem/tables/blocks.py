@@ -5,16 +5,18 @@ A table is a row of names, then perhaps rows of units, then rows with at least t
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from geoswarm.solver.problem.tables.dates import is_moment, time_of_day
-from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit, without_brackets
+from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit, units_of, without_brackets
 from geoswarm.solver.problem.tables.numerals import two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
+from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_reading", "key", "unit_of_cell"]
+__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_heading", "is_reading", "key", "shown", "unit_of_cell", "with_units"]
 
 Rows = Sequence[tuple[int, Sequence[Cell]]]
 """Rows of a file that are not empty, with the numbers of their lines."""
@@ -22,6 +24,8 @@ Rows = Sequence[tuple[int, Sequence[Cell]]]
 _DEEPEST = 1000
 """Rows within which the headings are looked for."""
 _MOST_SPARSE = 20
+_NO_UNITS = "-–—1"
+_JOINING = ("in", "/", "-", "–", ":", "|", "=")
 _MOST_HEADINGS = 4
 _LONG_ENOUGH = 3
 SAMPLE = 2000
@@ -53,7 +57,7 @@ def is_reading(cell: Cell) -> bool:
     """Whether a cell holds a number, with its unit or without, a date, a time of day or a formula."""
     if isinstance(cell, float):
         return True
-    if not cell or not (cell[0].isdigit() or cell[0] in "+-.,=("):
+    if not cell or not (cell[0].isdigit() or cell[0] in "+-\u2212.,=("):
         return False
     return (
         cell_number(cell) is not None
@@ -63,6 +67,14 @@ def is_reading(cell: Cell) -> bool:
         or time_of_day(cell) is not None
         or number_with_unit(cell) is not None
     )
+
+
+def is_heading(cell: Cell) -> bool:
+    """Whether a cell is the name of a quantity, or a unit."""
+    if not isinstance(cell, str) or is_reading(cell):
+        return False
+    unit = unit_of_cell(cell)
+    return (unit or "-") not in _NO_UNITS or any(one.certain for one in units_of(cell)) or quantities_of(cell) != ()
 
 
 def unit_of_cell(cell: Cell) -> str | None:
@@ -76,6 +88,37 @@ def unit_of_cell(cell: Cell) -> str | None:
     return text if is_unit(text) else None
 
 
+def with_units(cells: Sequence[str], width: int) -> Sequence[str]:
+    """Headings between blanks with their units, where these then are as many as there are columns; else as they are.
+
+    Each column has one word with a unit or without, or each ends with a unit. A letter is a unit behind a sign only:
+    it may be a name.
+    """
+    names: list[str] = []
+    ends: list[bool] = []
+    place = 0
+    while place < len(cells):
+        joined = cells[place] in _JOINING or (place > 0 and cells[place - 1][-1:] in ":=/")
+        first = place + (cells[place] in _JOINING)
+        for count in (3, 2, 1):
+            unit = " ".join(cells[first : first + count])
+            if names and is_unit(unit) and (joined or len(unit) > 1 or unit in "%‰°"):
+                names[-1] = " ".join([names[-1], *cells[place : first + count]])
+                ends[-1] = True
+                place = first + count
+                break
+        else:
+            names.append(cells[place])
+            ends.append(cells[place][-1:] in "])}")
+            place += 1
+    if len(names) == width:
+        return names
+    if ends and ends[-1] and sum(ends) == width:
+        starts = [0, *(place for place, end in enumerate(ends, 1) if end)]
+        return [" ".join(names[start:end]) for start, end in itertools.pairwise(starts)]
+    return cells
+
+
 def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
     """Whether a row holds units: no reading, and one in brackets or of several letters, or all are units."""
     units = [(cell, unit_of_cell(cell)) for cell in row if cell != ""]
@@ -85,7 +128,9 @@ def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
         unit for cell, unit in units if unit is not None and (cell != unit or not (unit[0].isdigit() or unit in "-–—"))
     )
     return any(len(unit) > 1 or unit in "%‰°" for unit in sure) or (
-        letters and any(unit not in "-–—1" for _, unit in units if unit) and all(unit is not None for _, unit in units)
+        letters
+        and any(unit not in _NO_UNITS and not unit[0].isdigit() for _, unit in units if unit)
+        and all(unit is not None for _, unit in units)
     )
 
 
@@ -98,7 +143,9 @@ def begin(rows: Rows, wanted: Iterable[str] = ()) -> Block | None:
     longest: Block | None = None
     readings = [_readings(row) for _, row in rows[:SAMPLE]]
     for place, (_, row) in enumerate(rows[:_DEEPEST]):
-        if readings[place] or not any(cell != "" for cell in row) or _is_units(row):
+        if not any(cell != "" for cell in row) or _is_units(row):
+            continue
+        if readings[place] and not _names_all(row, readings[place], names):
             continue
         block = _block(rows, readings, place, names)
         if block is None:
@@ -110,6 +157,18 @@ def begin(rows: Rows, wanted: Iterable[str] = ()) -> Block | None:
     return longest
 
 
+def _names_all(row: Sequence[Cell], readings: frozenset[int], names: set[str]) -> bool:
+    """Whether a row with numbers has all names that are wanted: loads may be headings."""
+    words = any(cell != "" and index not in readings for index, cell in enumerate(row))
+    headings = [shown(cell) for cell in row] if words and names else []
+    return bool(headings) and all(any(name in _keys(heading) for heading in headings) for name in names)
+
+
+def shown(cell: Cell) -> str:
+    """A cell as text, a number without a needless fraction."""
+    return f"{cell:.15g}" if isinstance(cell, float) else cell.strip()
+
+
 def _below_names(rows: Rows, place: int, index: int) -> bool:
     """Whether each cell of a row stands below a name."""
     return all(_at(rows[place][1], column) != "" for column, cell in enumerate(rows[index][1]) if cell != "")
@@ -118,9 +177,10 @@ def _below_names(rows: Rows, place: int, index: int) -> bool:
 def _block(rows: Rows, readings: Sequence[frozenset[int]], place: int, names: set[str]) -> Block | None:
     below = place + 1
     for index in range(below, min(below + _MOST_HEADINGS, len(readings))):
-        if readings[index] and not _is_units(rows[index][1]):
+        units = _is_units(rows[index][1], letters=_below_names(rows, place, index))
+        if readings[index] and not units:
             break
-        if _is_units(rows[index][1], letters=_below_names(rows, place, index)):
+        if units:
             below = index + 1
     header = _header(rows, place, below)
     places = {index for index, name in enumerate(header) if name}
@@ -163,7 +223,7 @@ def _header(rows: Rows, place: int, below: int) -> list[str]:
         over = []
     header = []
     for index in range(max(len(row), *(len(one) for one in units), 0)):
-        name = str(_at(row, index)).strip() or str(_at(over, index)).strip()
+        name = shown(_at(row, index)) or shown(_at(over, index))
         for one in units:
             unit = str(_at(one, index)).strip()
             if unit:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading
+from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, with_units
 from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import (
@@ -23,6 +24,8 @@ from geoswarm.solver.problem.tables.reading import (
     table_rows,
 )
 from geoswarm.solver.problem.tables.workbooks import read_workbook
+
+_WORD = re.compile(r"[^\W\d_]{3}")
 
 __all__ = ["Sheet", "file_content", "number_in", "read_cells", "without_units"]
 
@@ -114,7 +117,7 @@ def read_cells(
     comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
     lines = table_lines(text, name)
     separator, block = _separated(lines, name, wanted)
-    rows = [(line, list[Cell](cells)) for line, cells in table_rows(lines, name, separator)]
+    rows = [(line, list[Cell](cells)) for line, cells in _rows(lines, name, separator)]
     read = _sheet((), None, comments, rows, block, 0)
     width = len(read.header) or len(rows[0][1]) if rows else 0
     refuse_surplus(read.rows, width, name, separator)
@@ -126,7 +129,7 @@ def _separated(lines: list[tuple[int, str]], name: str, wanted: list[str]) -> tu
     best: tuple[tuple[bool, int, int], str, Block] | None = None
     for separator in SEPARATORS:
         try:
-            rows = table_rows(lines[:SAMPLE], name, separator)
+            rows = _rows(lines[:SAMPLE], name, separator)
         except TableError:
             continue
         block = begin(rows, wanted)
@@ -141,6 +144,17 @@ def _separated(lines: list[tuple[int, str]], name: str, wanted: list[str]) -> tu
         return best[1], best[2]
     first = lines[0][1] if lines else ""
     return next((sign for sign in ";\t" if sign in first), _without_heading(lines)), None
+
+
+def _rows(lines: list[tuple[int, str]], name: str, separator: str) -> list[tuple[int, list[str]]]:
+    """Cells of the lines; between blanks, a heading of several words is one cell where its unit shows where it ends."""
+    rows = table_rows(lines, name, separator)
+    if separator == BLANKS:
+        for place, (_, cells) in enumerate(rows[1:SAMPLE]):
+            line, above = rows[place]
+            if len(above) > len(cells) > 1 and all(cell_number(cell) is not None for cell in cells):
+                rows[place] = line, list(with_units(above, len(cells)))
+    return rows
 
 
 def _without_heading(lines: list[tuple[int, str]]) -> str:
@@ -174,12 +188,26 @@ def _sheet(
     grid = dict(rows)
     if not rows:
         return Sheet(sheets, sheet, comments, 1, [], [], grid)
-    if block is not None and not _only_numbers(rows[0][1]):
-        return Sheet(sheets, sheet, comments, rows[block.place][0], block.header, rows[block.below :], grid)
+    if block is not None and (block.named or not _only_numbers(rows[0][1])):
+        return Sheet(sheets, sheet, comments, rows[block.place][0], block.header, _body(rows, block), grid)
     line, cells = rows[first]
     if _only_numbers(cells):
         return Sheet(sheets, sheet, comments, line, [], rows[first:], grid)
-    return Sheet(sheets, sheet, comments, line, [str(cell).strip() for cell in cells], rows[first + 1 :], grid)
+    return Sheet(sheets, sheet, comments, line, [shown(cell) for cell in cells], rows[first + 1 :], grid)
+
+
+def _body(rows: list[tuple[int, list[Cell]]], block: Block) -> list[tuple[int, list[Cell]]]:
+    """Rows below the headings, without the same headings once more and without lines of words at the end."""
+    heads = [row for _, row in rows[block.place : block.below]]
+    body = [(line, row) for line, row in rows[block.below :] if row not in heads]
+    while body and _is_line_of_words(body[-1][1]):
+        body.pop()
+    return body
+
+
+def _is_line_of_words(row: list[Cell]) -> bool:
+    filled = [cell for cell in row if cell != ""]
+    return len(filled) == 1 and not is_reading(filled[0]) and _WORD.search(str(filled[0])) is not None
 
 
 def _only_numbers(row: list[Cell]) -> bool:

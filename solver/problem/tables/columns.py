@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Literal, TypeVar
 
-from geoswarm.solver.problem.tables.blocks import is_reading
+from geoswarm.solver.problem.tables.blocks import is_heading, is_reading
 from geoswarm.solver.problem.tables.cells import Sheet, file_content, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import (
     DATES_ACCEPTED,
@@ -393,6 +393,14 @@ class _Reader:
                 raise TableError(
                     f"{self._name} line {cells[0][0]}: '{told}' stands between the names and the first row of "
                     "numbers; if these are unknown units, give x_unit and y_unit and delete the row, else delete it"
+                )
+        for i in sorted(self._incomplete):
+            cells = [one.cells[i] for one in self.columns.values() if one.cells[i][1] != ""]
+            if len(cells) > 1 and all(is_heading(cell) for _, cell in cells):
+                told = ", ".join(str(cell)[:50] for _, cell in cells)
+                raise TableError(
+                    f"{self._name} line {cells[0][0]}: '{told}' are other headings or units than above; give the "
+                    "cells of one table, such as A2:A30, or delete the others"
                 )
 
     def _raise_errors(self) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
+from geoswarm.solver.problem.tables.unit_words import ALIASES, ATOMS, CASE_MATTERS
 from geoswarm.solver.units import UnitError, base_unit, convert
 
 __all__ = [
@@ -26,78 +27,47 @@ __all__ = [
 ]
 
 BASES = ("day", "m", "kPa", "degree", "dimensionless")
-_WORDS = {
-    "s": "s sec secs second seconds sek sekunde sekunden",
-    "min": "min mins minute minutes minuten",
-    "h": "h hr hrs hour hours std stunde stunden",
-    "day": "d days tag tage tagen",
-    "week": "weeks woche wochen",
-    "month": "months monat monate",
-    "year": "a years jahr jahre yr yrs",
-    "ms": "millisecond milliseconds millisekunde millisekunden",
-    "um": "µm μm micron microns micrometer micrometers micrometre micrometres mikrometer mikron",
-    "mm": "mm millimeter millimeters millimetre millimetres",
-    "cm": "cm centimeter centimeters centimetre centimetres zentimeter",
-    "m": "meter meters metre metres",
-    "inch": "inches zoll",
-    "ft": "feet foot",
-    "Pa": "pascal",
-    "mH2O": "mh2o mws",
-    "cmH2O": "cmh2o cmws",
-    "kPa": "kpa kilopascal",
-    "MPa": "mpa megapascal",
-    "bar": "bar",
-    "ksi": "ksi",
-    "kN/m^2": "kn/m2",
-    "N/mm^2": "n/mm2",
-    "kgf/cm^2": "kg/cm2 kgf/cm2 kp/cm2 ksc",
-    "kgf/m^2": "kg/m2 kgf/m2 kp/m2",
-    "kgf/mm^2": "kg/mm2 kgf/mm2 kp/mm2",
-    "tf/m^2": "t/m2 tf/m2 mp/m2 tsm",
-    "lbf/ft^2": "psf lb/ft2 lbf/ft2 lbs/ft2",
-    "kip/ft^2": "ksf kips/ft2",
-    "force_ton/ft^2": "tsf ton/ft2 tons/ft2",
-    "psi": "psi lb/in2 lbf/in2 lbs/in2",
-    "degree": "° deg degrees grad altgrad",
-    "rad": "radian radians",
-    "%": "percent prozent pct vol.-% vol-% vol.% vol% v.-%",
-    "permille": "‰ promille permil o/oo",
-    "um/m": "µm/m μm/m µε με microstrain ustrain µstrain",
-    "dimensionless": "- – — 1 dimensionslos unitless",
-}
-ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {"per mille": "permille"}
-"""What laboratories write, in lower case, and what the registry of units (or a problem file) calls it."""
-
-_CASE_MATTERS = frozenset(("mPa", "Mm"))
-"""Other units in small letters."""
-
-_ATOMS = frozenset(
-    re.findall(
-        r"\S+",
-        "nm um mm cm dm m km in inch ft s ms min h hr d day week month year Pa hPa kPa MPa GPa bar mbar atm torr "
-        "mH2O cmH2O mmHg N kN MN kgf tf lbf kip force_ton psi ksi g kg mg Mg t degree deg rad mrad permille ppm "
-        "ml cl l A mA V mV kV Hz % dimensionless",
-    )
-)
-"""What a unit may be made of: the registry knows many words (rod, point, e) that mean something else in headings."""
-
 _FACTOR = re.compile(
-    r"(?P<factor>1\s?/\s?10{1,6}|(?:(?:1\s?)?[x×*·]\s?)?10(?:\^[-−]?|[-−])\d|1[eE][-+]?\d{1,2}|\d{1,6}(?:[.,]\d{1,6})?)"
+    r"(?P<factor>1\s?/\s?10{1,6}|(?:(?:1\s?)?[x×*·]\s?)?10(?:\^[-−]?|[-−])\d|1[eE][-+]?\d{1,2}|(?:[x×*·]\s?)?\d{1,6}(?:[.,]\d{1,6})?)"
     r"(?:\s*[x×*·]\s*|\s*)(?P<unit>.*)"
 )
+_PARTS = {
+    "zehnt": "1/10 ",
+    "hunde": "1/100 ",
+    "tause": "1/1000 ",
+    "tenth": "1/10 ",
+    "hundr": "1/100 ",
+    "thous": "1/1000 ",
+}
+_PART = re.compile(
+    r"^(zehntel|hundertstel|tausendstel|tenths?|hundredths?|thousandths?)(?: of(?: an?)?)?[ -]?(?=\S)", re.IGNORECASE
+)
 _SMALL = re.compile(
-    r"1\s?/\s?10|0[.,]\d|\D{0,4}10\^?[-−]|1[eE]-"
+    r"1\s?/\s?10|(?:[x×*·]\s?)?0[.,]\d|\D{0,4}10\^?[-−]|1[eE]-"
 )  # what a dial gauge divides by; "in 5 m depth" is a place
 _EXPONENT = re.compile("(?<![⁰¹²³⁴⁵⁶⁷⁸⁹⁻])(?=[⁰¹²³⁴⁵⁶⁷⁸⁹⁻])")
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
-_BRACKETS = re.compile(r"\[[^\[\](){}]{0,40}\]|\([^\[\](){}]{0,40}\)|\{[^\[\](){}]{0,40}\}")
+_BRACKETS = re.compile(r"\[[^\[\](){}<>]{0,40}\]|\([^\[\](){}<>]{0,40}\)|\{[^\[\](){}<>]{0,40}\}|<[^\[\](){}<>]{0,40}>")
 _IN = re.compile(r"(?:^|\s)(?:in|unit:?|einheit:?)\s+(?=\S)", re.IGNORECASE)
-_BEHIND = re.compile(r"(?<=.)\s*[/,_:;|]\s*(?=[^\s,/]{1,20}(?:\s[^\s,/]{1,20})?$)|\s[-–]\s(?=\S{1,20}$)")
+_BEHIND = re.compile(r"(?<=.)\s*[/,_:;|=]\s*(?=[^\s,]{1,20}(?:\s[^\s,/]{1,20})?$)|\s[-–]\s(?=\S{1,20}$)")
 _VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+-].{0,19})")
 _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of a word only: linear in the text
 _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)
 _SYMBOLS = frozenset("tglAVN")  # in round brackets a unit only where one of its dimension is needed: time, test A
 _STEP_BEFORE = re.compile(r"(?:1/10+|0[.,]\d+|10\^?-\d)_")
+_ALTERED = re.compile(
+    r"(?:[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln)(?![^\W\d_])"
+    r"|[×*·]\s*\d|(?<![^\W\d_])x\s*(?:10|0[.,])|(?<![\d.,])10+\s*[x×*·]|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
+    r"|(?<!\w)(?:1?e[-+]|1e)\d|(?<![\d/])\s*/\s*10+(?![\d/])|(?<![\d/])1\s*/\s*[^\W\d]|fa[ck]tor\s*[=:]?\s*\d"
+    r"|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
+    re.IGNORECASE,
+)
+"""What makes numbers another quantity than the unit beside it says: ``√t [min]``, ``q x 10 [kPa]``; \\0 is the unit."""
+_VALUE_BEFORE = re.compile(
+    r"(?:(?:^|[/=|:*·×(])x?\d+(?:[.,]\d+)?|hunderte?|tausende?|zehn|hundreds?|thousands?|ten)$", re.IGNORECASE
+)
+"""A word that makes the unit behind it a value, ``strain at 100 kPa``."""
+_LETTERS = re.compile(r"([A-Za-z]{1,3}):\1")  # a column without a heading: H:H are no hours
 _LONGEST = 200
 
 
@@ -117,6 +87,8 @@ class Named:
         As it stands.
     label
         The rest of the text.
+    alters
+        Whether it is no unit, but a function or a factor beside one.
     """
 
     unit: str | None
@@ -124,6 +96,7 @@ class Named:
     certain: bool
     text: str
     label: str
+    alters: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,10 +138,14 @@ def heading_of(
     in_cells
         Unit that all cells end with.
     """
+    named = units_of(text or name)
     if dates or in_cells is not None:
         unit = "day" if in_cells is None or dates else in_cells
-        return Heading(name, (Named(unit, _known(unit)[1], True, unit, name),), dates, not dates)
-    named = units_of(text or name)
+        own = Named(unit, _known(unit)[1], True, unit, name)
+        others = (
+            one for one in named if one.certain and one.base == own.base and one.base not in ("day", "dimensionless")
+        )
+        return Heading(name, (own, *others), dates, not dates)
     if not named and name in comments:
         named = tuple(replace(one, certain=False) for one in units_of(f"x [{comments[name]}]") if one.unit is not None)
     return Heading(name, named)
@@ -192,11 +169,15 @@ def guess_unit(heading: str) -> tuple[str, str | None, str | None]:
 
 def unclear_unit(named: Iterable[Named]) -> str | None:
     """Say why the units that a text names leave open what its numbers are in; None where they do not, or are none."""
+    named = tuple(named)
     known = [(one.unit, one.base) for one in named if one.unit is not None and one.base is not None]
     for wanted in dict.fromkeys(base for _, base in known):
         units = {float(convert(1.0, unit, base)): unit for unit, base in known if base == wanted}
         if len(units) > 1:
             return f"names several units, {' and '.join(units.values())}"
+    altered = next((one.text for one in named if one.alters), None)
+    if altered is not None:
+        return f"has a factor or a function, '{altered}', beside {' and '.join(unit for unit, _ in known)}"
     strange = next((one.text for one in named if one.unit is None), None)
     return None if known or strange is None else f"names '{strange}', which is not a known unit"
 
@@ -212,17 +193,17 @@ def known_unit(text: str) -> tuple[str | None, str | None]:
     return (unit, base) if base in BASES else (None, None)
 
 
-@lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=4096)
 def units_of(heading: str) -> tuple[Named, ...]:
     """All units that a heading names, in square brackets first; also what stands in such brackets and is not known."""
     heading = " ".join(heading.split())
-    if len(heading) > _LONGEST:
+    if len(heading) > _LONGEST or _LETTERS.fullmatch(heading) is not None:
         return ()
     found: list[Named] = []
     plain = _BRACKETS.sub(" ", heading)
-    for bracket in sorted(_BRACKETS.finditer(heading), key=lambda one: "[{(".index(one[0][0])):
+    for bracket in sorted(_BRACKETS.finditer(heading), key=lambda one: "[{<(".index(one[0][0])):
         inner = re.sub(r"^(in|unit:?|einheit:?)\s+", "", bracket[0][1:-1].strip(), flags=re.IGNORECASE)
-        unit, base = _known(inner)
+        unit, base = _known(re.sub(r"\s*/\s*", "/", inner))
         label = " ".join((heading[: bracket.start()] + " " + heading[bracket.end() :]).split()).rstrip("_")
         if unit is not None:
             symbol = bracket[0][0] == "(" and inner in _SYMBOLS
@@ -233,7 +214,19 @@ def units_of(heading: str) -> tuple[Named, ...]:
         found = [one for one in found if one.certain]  # "Normalkraft (N) [kN]": N is the symbol
     if not found:
         found = list(_outside(" ".join(plain.split()), heading))
+    found += [one for one in [_altered(heading, found)] if one is not None]
     return tuple(dict.fromkeys(found))
+
+
+def _altered(heading: str, found: Sequence[Named]) -> Named | None:
+    """A function or a factor beside the units of a heading."""
+    units = [one.text for one in found if one.unit not in (None, "dimensionless")]
+    if not units:
+        return None
+    altered = _ALTERED.search(
+        functools.reduce(lambda rest, unit: rest.replace(unit.rstrip("^"), "\0", 1), units, heading)
+    )
+    return None if altered is None else Named(None, None, True, altered[0].strip(" \0"), heading, alters=True)
 
 
 def _outside(text: str, heading: str) -> Iterable[Named]:
@@ -266,7 +259,7 @@ def _outside(text: str, heading: str) -> Iterable[Named]:
         if unit is not None or _is_no_unit(given):
             yield Named(unit, base, unit is None, given, text[: found.start()].rstrip() or heading)
             return
-    if len(words) > 1:
+    if len(words) > 1 and _VALUE_BEFORE.search(words[-2]) is None:
         unit, base = _known(words[-1], small=True)
         if unit is not None:
             yield Named(unit, base, False, words[-1], " ".join(words[:-1]))
@@ -278,6 +271,8 @@ def _among(words: list[str], heading: str) -> Named | None:
         for start in range(len(words) - count, -1, -1):
             given = " ".join(words[start : start + count]).strip(",;:")
             if (len(given) < 2 and given not in "%‰") or given.casefold() == "in" or given[:1] in "/,-–|":
+                continue
+            if start and _VALUE_BEFORE.search(words[start - 1]) is not None:
                 continue
             unit, base = _known(given, small=True)
             if unit is not None:
@@ -298,13 +293,14 @@ def _is_no_unit(text: str) -> bool:
     return _STEPS.fullmatch(text) is not None
 
 
-@lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=4096)
 def _known(text: str, small: bool = False) -> tuple[str | None, str | None]:
     """A unit as a problem file writes it, and the base of its dimension, any.
 
     ``small``: only factors below 1, and a 1 alone is no unit.
     """
-    text = _EXPONENT.sub("^", text.strip()).translate(_RAISED)
+    text = _PART.sub(lambda found: _PARTS[found[1][:5].casefold()], text.strip())
+    text = _EXPONENT.sub("^", text).translate(_RAISED)
     if not text or len(text) > 40 or (small and text == "1"):  # "Sensor 1"
         return None, None
     factor = ""
@@ -335,14 +331,16 @@ def _factor(text: str) -> str:
         value = 10.0 ** int(power[1] or power[2])
     else:
         value = float(plain)
-    return f"{value:.12g}" if 1e-6 <= value < 1.0 or value in (10.0, 100.0, 1000.0) else ""
+    larger = value in (10.0, 100.0, 1000.0) and not text.isdigit()  # "q [100 kPa]": of the test at that pressure
+    return f"{value:.12g}" if 1e-6 <= value < 1.0 or larger else ""
 
 
 def _spelled(text: str) -> str | None:
     """A unit without a factor in the words of the registry; None for what is none."""
-    plain = text.strip().rstrip(".:").replace("·", "*").replace("^", "").replace("**", "")
+    plain = re.sub(r"(?<=[A-Za-z])\s+(?=[A-Za-z]{1,3}\^?-[123]$)", "*", text.strip().rstrip(".:"))
+    plain = plain.replace("·", "*").replace("^", "").replace("**", "")
     letter = len(plain) == 1 and plain.isupper() and plain not in "DHS"  # a symbol
-    for given in (plain, *(() if plain in _CASE_MATTERS else (plain.casefold(),))):
+    for given in (plain, *(() if plain in CASE_MATTERS else (plain.casefold(),))):
         if given in ALIASES and not letter:
             return ALIASES[given]
     spelled = re.sub(r"(?<=[A-Za-z])(?=-?\d)", "^", re.sub("[µμ](?=[a-zA-Z])", "u", plain))
@@ -350,7 +348,7 @@ def _spelled(text: str) -> str | None:
     atoms = re.findall(r"[A-Za-z_%°‰]+(?:\^2O)?", spelled)
     if (
         not atoms
-        or any(atom not in _ATOMS for atom in atoms)
+        or any(atom not in ATOMS for atom in atoms)
         or re.fullmatch(r"[A-Za-z_%^0-9/*().\- ]+", spelled) is None
     ):
         return None

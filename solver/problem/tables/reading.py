@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 __all__ = [
     "BLANKS",
@@ -30,6 +30,8 @@ MAX_LINE_CHARACTERS = 100_000
 MAX_CELL_CHARACTERS = 32_767
 """Longest text in a cell, as in spreadsheet programs."""
 
+_SAMPLE = 2000
+_LAST = 20  # rows in which those of a table would show
 BLANKS = " "
 WIDE_BLANKS = "  "
 SEPARATORS = (";", "\t", ",", WIDE_BLANKS, BLANKS)
@@ -37,7 +39,7 @@ SEPARATORS = (";", "\t", ",", WIDE_BLANKS, BLANKS)
 
 _WIDE = re.compile(r"\s*\t\s*|\s{2,}")
 _BRACKET = re.compile(r"\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\}")
-_NAMED = re.compile(r"(?<=\S)\s+(?=[\[({])")
+_NAMED = re.compile(r"(?<=\S)\s+(?=(?:\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\})(?:\s|$))")
 _MOST_DIGITS = 1100  # a float written out in full has 1075 at most
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
@@ -52,9 +54,12 @@ class TableError(Exception):
 
 
 def decoded(content: bytes) -> str:
-    """Text of a table: UTF-8 or UTF-16 with its mark, else Windows-1252 or Latin-1."""
+    """Text of a table: UTF-8, UTF-16 with its mark or without, else Windows-1252 or Latin-1."""
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):  # spreadsheets call this "Unicode text"
         return content.decode("utf-16", errors="replace")
+    for first, encoding in ((0, "utf-16-be"), (1, "utf-16-le")):
+        if content[first:_SAMPLE:2].count(0) * 3 > len(content[:_SAMPLE]):  # without its mark: no text has zeros
+            return content.decode(encoding, errors="replace")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -99,23 +104,54 @@ def table_rows(lines: Sequence[tuple[int, str]], name: str, separator: str) -> l
     """
     if separator in (BLANKS, WIDE_BLANKS):
         return [(number, _split(line, separator)) for number, line in lines]
-    reader = csv.reader(
-        (line for _, line in lines), delimiter=separator, skipinitialspace=separator != "\t", strict=True
-    )
     rows: list[tuple[int, list[str]]] = []
     begins = 0
+    while begins < len(lines):
+        try:
+            for place, cells in _quoted_rows(lines, begins, separator):
+                number = lines[place][0]
+                longest = max(map(len, cells), default=0)
+                if longest > MAX_CELL_CHARACTERS:
+                    what = f"a cell of {longest} characters; at most {MAX_CELL_CHARACTERS} are accepted"
+                    raise TableError(f"{name} line {number} has {what}")
+                rows.append((number, [cell.strip() for cell in cells]))
+            break
+        except _QuotesError as error:
+            begins = error.line
+            rows.append((lines[begins][0], [cell.strip() for cell in lines[begins][1].split(separator)]))
+            if begins + 2 >= len(lines) or any(_numbers(cells) > 1 for _, cells in rows[-_LAST:]):
+                raise TableError(f"{name} line {lines[begins][0]}: {error}") from None
+            begins += 1  # a line above the table, whose quotes are not those of cells
+    return rows
+
+
+def _numbers(cells: Sequence[str]) -> int:
+    return sum(cell_number(cell.strip('"')) is not None for cell in cells)
+
+
+class _QuotesError(Exception):
+    """Quotes are not closed, or stand in the wrong place, in the row that begins at ``line``, a place in the lines."""
+
+    def __init__(self, line: int, reason: str) -> None:
+        self.line = line
+        super().__init__(reason)
+
+
+def _quoted_rows(lines: Sequence[tuple[int, str]], first: int, separator: str) -> Iterator[tuple[int, list[str]]]:
+    """Cells of rows from a line on, with the place of the line where each begins: a line break may stand in quotes."""
+    reader = csv.reader(
+        (f"{line}\n" for _, line in lines[first:]),
+        delimiter=separator,
+        skipinitialspace=separator != "\t",
+        strict=True,
+    )
+    begins = first
     try:
         for cells in reader:
-            number = lines[begins][0]
-            begins = reader.line_num  # a line break may stand in quotes
-            longest = max(map(len, cells), default=0)
-            if longest > MAX_CELL_CHARACTERS:
-                what = f"a cell of {longest} characters; at most {MAX_CELL_CHARACTERS} are accepted"
-                raise TableError(f"{name} line {number} has {what}")
-            rows.append((number, [cell.strip() for cell in cells]))
+            yield begins, cells
+            begins = first + reader.line_num
     except csv.Error as error:
-        raise TableError(f"{name} line {lines[min(begins, len(lines) - 1)][0]}: {error}") from None
-    return rows
+        raise _QuotesError(min(begins, len(lines) - 1), str(error)) from None
 
 
 def _split(line: str, separator: str) -> list[str]:
@@ -166,6 +202,7 @@ def cell_number(cell: str) -> float | None:
     """The finite number that a cell shows, with a decimal point or comma; None for anything else."""
     if len(cell) > _MOST_DIGITS:
         return None
+    cell = cell.replace("\u2212", "-")  # a minus as word processors write it
     if _NUMBER.fullmatch(cell):
         value = float(cell)
     elif _NUMBER_WITH_COMMA.fullmatch(cell):

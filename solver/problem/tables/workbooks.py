@@ -30,7 +30,8 @@ _BUILT_IN = {  # formats that every program has
     **dict.fromkeys((14, 15, 16, 17, 22, 47), "yyyy-mm-dd"),
 }
 _ELAPSED = re.compile(r"\[(?:h+|m+|s+)\]", re.IGNORECASE)
-_LITERAL = re.compile(r'"([^"]*)"')
+_LITERAL = re.compile(r'"([^"]*)"|\\(.)')
+_THOUSANDS = re.compile(r"[0#?](,+)(?![0#?,])")  # commas behind the digits: shown in thousands
 _QUOTED = re.compile(r'"[^"]*"?|\[[^\]]*\]?|\\.')  # what is not closed reaches to the end: linear in the text
 _LONGEST_FORMAT = 255
 """Characters of a format that spreadsheet programs accept."""
@@ -230,7 +231,9 @@ def _shown(code: str) -> str:
         return "elapsed"
     if re.search(r"[ymdhs]", plain, re.IGNORECASE) is not None:
         return "date" if re.search(r"[yd]", plain, re.IGNORECASE) is not None else "clock"
-    return "%" if "%" in plain else " ".join(" ".join(_LITERAL.findall(code)).split())
+    scaled = _THOUSANDS.search(plain)
+    shown = "%" if "%" in plain else " ".join("".join(map("".join, _LITERAL.findall(code))).split())
+    return shown if scaled is None else f"{scaled[1]}{shown}"
 
 
 def _as_shown(value: float, style: str, since_1904: bool) -> Cell:
@@ -243,7 +246,11 @@ def _as_shown(value: float, style: str, since_1904: bool) -> Cell:
         return _date(value, False)[11:] if value >= 0.0 else value
     if style == "elapsed":
         return f"{value:.15g} day"
-    return f"{100.0 * value:.15g} %" if style == "%" else f"{value:.15g} {style}"
+    shown = style.lstrip(",")
+    value /= 1000.0 ** (len(style) - len(shown))
+    if not shown:
+        return value
+    return f"{100.0 * value:.15g} %" if shown == "%" else f"{value:.15g} {shown}"
 
 
 def _date(serial: float, since_1904: bool) -> str:

@@ -122,6 +122,8 @@ def test_a_table_below_the_lines_of_a_machine(tmp_path: Path) -> None:
         ("eps   q   Void ratio\n[%]    [kPa]    [-]\n\n0.1\t10\t1.03\n1\t40\t1.02\n10\t60\t1.01\n", [0.001, 0.01, 0.1]),
         ("sigma3'   eps   q\n[kPa]    [%]     [kPa]\n\n5\t0.1\t10\n5\t1\t40\n5\t10\t60\n", [0.001, 0.01, 0.1]),
         ("Versuch 7 vom 3. Mai\neps\tq\n%\tkPa\n0,1\t10\n1\t40\n10\t60\n", [0.001, 0.01, 0.1]),
+        ("eps / % q in kPa\n0.1 10\n1 40\n10 60\n", [0.001, 0.01, 0.1]),
+        ("Versuch 7\n[%]eps [kPa]q\n0.1 10\n1 40\n10 60\n", [0.001, 0.01, 0.1]),
         ('"eps\n[%]";"q\n[kPa]"\n0,1;10\n1;40\n10;60\n', [0.001, 0.01, 0.1]),
         ("Pruefung 4;;\neps [%];q [kPa];\n0,1;10;\n1;40;\n10;60;\n", [0.001, 0.01, 0.1]),
     ],
@@ -133,6 +135,9 @@ def test_separators_and_titles(text: str, x: list[float], tmp_path: Path) -> Non
 
 
 def test_an_empty_cell_between_blanks_is_refused(tmp_path: Path) -> None:
+    assert "the header has: eps m q" in refused(
+        tmp_path, "q.txt", "eps m q\n0.001 10\n0.01 40\n", x_column="eps", y_column="q"
+    )
     text = "n eps q\n1 0.001 10\n2 0.01 40\n3 60\n"
     assert "line 4: 2 cells under 3 headings (3, 60); where cells are empty" in refused(
         tmp_path, "q.txt", text, x_column="eps", y_column="q"
@@ -149,7 +154,8 @@ def test_an_empty_cell_between_blanks_is_refused(tmp_path: Path) -> None:
         ("q (ksf)", 47.88025898),
         ("q (tsf)", 95.76051796),
         *((heading, 1000.0) for heading in ("q [MPa] (korr.)", "q in MPa", "q MPa korr.", "q / N/mm²", "q_MPa")),
-        *((heading, 1.0) for heading in ("q [kN/m²]", "kPa Deviator", "q (korr.) [kPa]")),
+        *((heading, 1.0) for heading in ("q [kN/m²]", "kPa Deviator", "q (korr.) [kPa]", "q <kPa>", "q=kPa")),
+        *((heading, 1.0) for heading in ("q/kN/m²", "q_kN/m^2", "q [kN / m²]", "q [kN m⁻²]", "q [kN/qm]", "σ_3 kPa")),
     ],
 )
 def test_stresses_in_any_spelling(heading: str, kilopascal: float, tmp_path: Path) -> None:
@@ -163,7 +169,16 @@ def test_stresses_in_any_spelling(heading: str, kilopascal: float, tmp_path: Pat
     [
         *(
             (f"s {unit}", "m", 1e-5)
-            for unit in ("[1/100 mm]", "1/100 mm", "[0.01 mm]", "[0,01mm]", "[10^-2 mm]", "[10⁻² mm]")
+            for unit in (
+                "[1/100 mm]",
+                "1/100 mm",
+                "[Hundertstel mm]",
+                "(x 0,01 mm)",
+                "[0.01 mm]",
+                "[0,01mm]",
+                "[10^-2 mm]",
+                "[10⁻² mm]",
+            )
         ),
         *((heading, "m", 1e-6) for heading in ("s [Mikrometer]", "s µm", "s_um", "s_1/1000_mm", "s [x 10^-3 mm]")),
         ("Setzung in Millimeter", "m", 1e-3),
@@ -215,6 +230,27 @@ def test_words_that_are_no_units(heading: str) -> None:
         ("q [mPa]", "names 'mPa', which is not a known unit"),
         ("q [kN]", "column 'q [kN]' is in kN, but the series has kPa"),
         ("q in Sekunden", "is in s, but the series has kPa"),
+        *(
+            (f"{heading} {unit}", f"has a factor or a function, '{told}', beside kPa; y_unit says which holds")
+            for heading, told in (("√q", "√q"), ("q x 100", "x 100"), ("log q", "log"), ("1/q", "1/q"), ("q²", "²"))
+            for unit in ("[kPa]", "(kPa)")
+        ),
+        *(
+            (heading, "has a factor or a function")
+            for heading in (
+                "q [kPa] x 10^-2",
+                "q kPa x 10",
+                "q (x10) [kPa]",
+                "q [kPa] (factor 10)",
+                "q E3 kPa",
+                "lg(q [kPa])",
+                "Wurzel q in kPa",
+                "q/10 [kPa]",
+                "q in kPa^(1/2)",
+            )
+        ),
+        ("q [100 kPa]", "names '100 kPa', which is not a known unit"),
+        *((heading, "has no unit") for heading in ("q in 10 kPa", "q hundert kPa", "q bei 100 kPa")),
         ("q [kPa] (psi)", "column 'q [kPa] (psi)' names several units, kPa and psi; y_unit says which holds"),
     ],
 )
@@ -264,6 +300,54 @@ def test_a_unit_of_one_letter_that_does_not_fit_is_no_unit_to_write_another_one_
         "observations[0].y_column: column 'Force (N)' (10, 40, ...) may be in N, but the series has kPa; name another "
         "column, or give y_unit: kPa, MPa or kg/cm2"
     )
+
+
+def test_the_letters_of_a_column_are_no_unit(tmp_path: Path) -> None:
+    rows = "\n".join(f"0.{number};0;0;0;0;0;0;{number}" for number in range(1, 4))
+    (tmp_path / "a.csv").write_text(rows, encoding="utf-8")
+    assert read_table(tmp_path / "a.csv", Columns(x="H:H", y="D:D")).x_heading.unit is None
+
+
+def test_cells_that_contradict_their_heading_are_refused(tmp_path: Path) -> None:
+    message = refused(tmp_path, "q.csv", "eps [-];q [MPa]\n0,1;1 kPa\n0,2;2 kPa\n", x_column="eps", y_column="q")
+    assert "column 'q [MPa]' names several units, kPa and MPa" in message
+
+
+def test_cells_shown_in_thousands_are_what_a_person_sees(tmp_path: Path) -> None:
+    styles = (
+        FORMATS.replace("0.0&quot; MPa&quot;", "#,##0.0,\\ \\M\\P\\a")
+        + '<cellXfs><xf numFmtId="0"/><xf numFmtId="170"/></cellXfs>'
+    )
+    cells = sheet_rows(("eps [-]", "q"), (0.001, 10_000.0), (0.01, 40_000.0)).replace('<c r="B', '<c s="1" r="B')
+    found = triaxial(tmp_path, "q.xlsx", workbook(("s", cells), styles=styles), x_column="eps", y_column="q")
+    assert found.y.tolist() == [10_000.0, 40_000.0]
+
+
+def test_headings_once_more_are_passed_over_and_other_headings_refused(tmp_path: Path) -> None:
+    page = "eps;q\n[%];[kPa]\n0,1;10\n1;40\n"
+    found = triaxial(tmp_path, "q.csv", f"{page}{page.replace('0,1', '2')}Schluss;\n", x_column="eps", y_column="q")
+    assert found.x.tolist() == [0.001, 0.01, 0.02, 0.01]
+    other = page.replace("kPa", "MPa")
+    message = refused(tmp_path, "q.csv", page + other, x_column="eps", y_column="q", incomplete_rows="leave_out")
+    assert "line 6: '[%], [MPa]' are other headings or units than above" in message
+    kept = page + "n/a;-\n10;60\n"
+    found = triaxial(tmp_path, "q.csv", kept, x_column="eps", y_column="q", incomplete_rows="leave_out")
+    assert found.y.tolist() == [10.0, 40.0, 60.0]
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_quotes_above_the_table_and_text_without_a_byte_order_mark(encoding: str, tmp_path: Path) -> None:
+    text = '"Hoehe (mm)","20"\n"Probe\n20;71,4\n"eps\nnach Umbau\n[%]";q [kPa]\n0,1;10\n1;\u221240\n'
+    found = triaxial(tmp_path, "q.csv", text.encode(encoding), x_column="eps nach Umbau", y_column="q")
+    assert found.y.tolist() == [10.0, -40.0]
+
+
+def test_loads_may_be_headings(tmp_path: Path) -> None:
+    rows = sheet_rows(("q in kPa, by cell pressure",), ("eps [-]", 25.0, 50.0), (0.001, 5.0, 10.0), (0.01, 20.0, 40.0))
+    keys = {"x_column": "eps", "y_column": "50", "y_unit": "kPa"}
+    assert triaxial(tmp_path, "q.xlsx", workbook(("s", rows)), **keys).y.tolist() == [10.0, 40.0]
+    text = "by cell pressure\neps [-];25;50\n0,001;5;10\n0,01;20;40\n"
+    assert triaxial(tmp_path, "q.csv", text, **keys).y.tolist() == [10.0, 40.0]
 
 
 def test_units_of_cells_are_asked_for_as_such(tmp_path: Path) -> None:

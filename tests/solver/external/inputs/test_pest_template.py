@@ -29,6 +29,8 @@ from geoswarm.solver.external.inputs.pest_template import parse_pest_template
         (0.99999, 3, "1.0"),
         (1.5e-300, 8, "1.5e-300"),
         (1e22, 5, "1.e22"),
+        (1.23e10, 6, "12.3e9"),
+        (1.234e100, 8, "12.34e99"),
         (0.0, 2, "0."),
         (-0.0, 3, "0.0"),
         (0.0, 1, None),

@@ -71,6 +71,11 @@ def test_names_keep_their_length() -> None:
     ("names", "x", "words"),
     [
         (["h1", "h2", "h10"], [1.0, 2.0, 10.0], "number at the end"),
+        (["d_-2.5", "d_-1", "d_3"], [-2.5, -1.0, 3.0], "number at the end"),
+        (["z-1", "z-2"], [1.0, 2.0], "number at the end"),
+        (["z1", "z-1", "z+2"], [1.0, -1.0, 2.0], "number at the end"),
+        (["t_1.0e-03", "t_1.5e-02"], [0.001, 0.015], "number at the end"),
+        (["t_1e+999", "t_1"], [1.0, 2.0], "running number"),
         (["h_1", "g_2"], [1.0, 2.0], "running number"),
         (["h_1", "h_01"], [1.0, 2.0], "running number"),
         (["h5"], [1.0], "running number"),

@@ -1,0 +1,67 @@
+"""The words for units that laboratories write, German and English."""
+
+from __future__ import annotations
+
+import re
+
+__all__ = ["ALIASES", "ATOMS", "CASE_MATTERS"]
+
+_WORDS = {
+    "s": "s sec secs second seconds sek sekunde sekunden",
+    "min": "min mins minute minutes minuten",
+    "h": "h hr hrs hour hours std stunde stunden",
+    "day": "d days tag tage tagen",
+    "week": "weeks woche wochen",
+    "month": "months monat monate",
+    "year": "a years jahr jahre yr yrs",
+    "ms": "millisecond milliseconds millisekunde millisekunden",
+    "um": "µm μm micron microns micrometer micrometers micrometre micrometres mikrometer mikron",
+    "mm": "mm millimeter millimeters millimetern millimetre millimetres",
+    "cm": "cm centimeter centimeters centimetre centimetres zentimeter zentimetern",
+    "m": "meter meters metern metre metres",
+    "inch": "inches zoll",
+    "ft": "feet foot",
+    "Pa": "pascal",
+    "mH2O": "mh2o mws",
+    "cmH2O": "cmh2o cmws",
+    "kPa": "kpa kilopascal kilopascals",
+    "MPa": "mpa megapascal megapascals",
+    "bar": "bar",
+    "torr": "torr",
+    "ksi": "ksi kips/in2",
+    "kN/m^2": "kn/m2 kn/qm kilonewton/m2",
+    "MN/m^2": "mn/m2 mn/qm",
+    "N/mm^2": "n/mm2",
+    "kgf/cm^2": "kg/cm2 kgf/cm2 kp/cm2 kg/qcm kp/qcm ksc",
+    "kgf/m^2": "kg/m2 kgf/m2 kp/m2",
+    "kgf/mm^2": "kg/mm2 kgf/mm2 kp/mm2",
+    "tf/m^2": "t/m2 to/m2 tf/m2 mp/m2 tsm",
+    "lbf/ft^2": "psf lb/ft2 lbf/ft2 lbs/ft2",
+    "kip/ft^2": "ksf kips/ft2",
+    "force_ton/ft^2": "tsf ton/ft2 tons/ft2",
+    "psi": "psi lb/in2 lbf/in2 lbs/in2",
+    "degree": "° deg degrees grad altgrad",
+    "rad": "radian radians",
+    "%": "percent prozent pct vol.-% vol-% vol.% vol% v.-%",
+    "permille": "‰ promille permil o/oo",
+    "um/m": "µm/m μm/m µε με microstrain ustrain µstrain",
+    "dimensionless": "- – — 1 dimensionslos unitless",
+}
+ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {
+    "per mille": "permille",
+    **{f"{unit} {water}": f"{unit}H2O" for unit in ("m", "cm") for water in ("ws", "h2o")},
+}
+"""What laboratories write, in lower case, and what the registry of units (or a problem file) calls it."""
+
+CASE_MATTERS = frozenset(("mPa", "Mm"))
+"""Other units in small letters."""
+
+ATOMS = frozenset(
+    re.findall(
+        r"\S+",
+        "nm um mm cm dm m km in inch ft s ms min h hr d day week month year Pa hPa kPa MPa GPa bar mbar atm torr "
+        "mH2O cmH2O mmHg N kN MN kgf tf lbf kip force_ton psi ksi g kg mg Mg t degree deg rad mrad permille ppm "
+        "ml cl l A mA V mV kV Hz % dimensionless",
+    )
+)
+"""What a unit may be made of: the registry knows many words (rod, point, e) that mean something else in headings."""
