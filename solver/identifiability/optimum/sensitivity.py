@@ -259,5 +259,5 @@ def _assemble(
 def _bases(spread: Spread, dependence: tuple[Dependence, ...]) -> tuple[IntervalBasis, ...]:
     """What the interval of each parameter rests on: what was found goes before what is possible where both widen it."""
     kinds = {one.kind for one in dependence}
-    wider = next((kind for kind in ALLOWANCES if kind in kinds), "uneven")
+    wider: IntervalBasis = next((kind for kind in ALLOWANCES if kind in kinds), "uneven")
     return tuple(wider if factor > 1.0 else "linearised" for factor in spread.widening.tolist())

@@ -8,7 +8,7 @@ intervals alone: standard errors are those of independent noise of one size. An 
   correlated than the noise, as the fit takes a part of it along, so the correlation rho is judged by the restricted
   likelihood (Patterson and Thompson 1971; Cressie and Lahiri 1993), and as few readings leave it uncertain, the
   interval is one of the mixture of Student's t over rho, each weighted by that likelihood and its prior: independent
-  as likely as not, otherwise by the reference prior (1 - rho^2)^-1/2 (Berger and Yang 1994) up to 0.98. n readings are
+  as likely as not, otherwise even in Fisher's arctanh rho, 1 / (1 - rho^2), up to 0.98. n readings are
   worth n^2 / sum R independent ones, with R their correlations: n (1 - rho) / (1 + rho) of many even ones. It is looked
   for where a pattern was found in the residuals, and where the likelihood speaks for it.
 - *Possible*: below 50 readings the same mixture applies if nothing was found. Its width over that of independent noise
@@ -208,7 +208,7 @@ def _correlated_half(
     The mixture over correlations.
     """
     likelihood, variance, gaps, free = _candidates(residuals, basis, x)
-    prior = (1.0 - _RHO**2) ** -0.5
+    prior = 1.0 / (1.0 - _RHO**2)
     if kind != "stated":
         prior[0] = _INDEPENDENT / (1.0 - _INDEPENDENT) * prior[1:].sum()
     likelihood = likelihood + np.log(prior)
