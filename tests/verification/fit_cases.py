@@ -288,6 +288,7 @@ BANANA = Case(
     {"a": (1.0, -4.0, 6.0, "linear"), "b": (1.0, -15.0, 30.0, "linear")},
     {"y": np.linspace(0.0, 1.0, 20)},
     {"y": normal(1.5)},
+    noise_kind="white",
 )
 """Readings of a and of 10 (b - a^2), Rosenbrock's valley: b follows the square of an uncertain a."""
 
