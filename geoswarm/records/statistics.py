@@ -236,10 +236,13 @@ class OptimumParameter:
     value: float
     standard_error: Number
     interval: tuple[float, float] | None
-    interval_basis: Literal["linearised", "correlated", "uneven", "moved", "profile"] | None = told(
-        "basis of the interval; correlated and uneven: wider for such residuals; moved: by one run at each end"
+    interval_basis: Literal["linearised", "correlated", "uneven", "possible", "stated", "moved", "profile"] | None = (
+        told(
+            "basis of the interval; correlated, uneven: wider for such residuals; possible: for a correlation that so "
+            "few readings cannot exclude; stated: for the problem's noise; moved: by one run at each end"
+        )
     )
-    widening: Number = told("how many times wider correlated or uneven residuals make the interval by linearisation")
+    widening: Number = told("how many times wider correlated or uneven noise makes the interval by linearisation")
     bending: Number = told("relative distance of an end by likelihood from the linearised one; null if not checked")
     bent: bool = told("the model is so nonlinear within the interval that a profile must give it, and none has")
     influence: float
@@ -265,10 +268,10 @@ class Combination:
 
 @record(closed=True)
 class Dependence:
-    """A series whose residuals are correlated, or of uneven size; intervals allow for it."""
+    """A series whose noise is or may be correlated, or is of uneven size; intervals allow for it."""
 
     series: str
-    kind: Literal["correlated", "uneven"]
+    kind: Literal["correlated", "uneven", "possible", "stated"]
     rho: float = told("correlation of neighbouring readings")
     readings: int
     effective: float = told("number of independent readings with the same information")

@@ -169,6 +169,7 @@ class _Assembly:
             priority=settings.priority,
             index_properties=known,
             accept=tuple(settings.accept),
+            noise=settings.noise,
         )
         unsatisfiable = (
             size_issues(problem)

@@ -22,7 +22,7 @@ from geoswarm.solver.problem.parameters import (
     outside_limits,
 )
 from geoswarm.solver.problem.running import Answering, Failures, Limits
-from geoswarm.solver.problem.sections import Stopping
+from geoswarm.solver.problem.sections import NoiseSection, Stopping
 from geoswarm.solver.problem.weighting import Weighting
 
 __all__ = ["Problem"]
@@ -63,6 +63,8 @@ class Problem:
         The runs after a search that its result needs.
     accept
         Series whose readings are meant as they are, whatever their size.
+    noise
+        What is known of the errors of the readings; None without.
 
     Examples
     --------
@@ -92,6 +94,7 @@ class Problem:
     index_properties: IndexSection | None = None
     accept: tuple[str, ...] = ()
     answer: Answering = field(default_factory=Answering)
+    noise: NoiseSection | None = None
     free: tuple[FreeParameter, ...] = field(init=False)
     free_names: tuple[str, ...] = field(init=False)
     _template: dict[str, float] = field(init=False, repr=False)
@@ -199,6 +202,8 @@ class Problem:
             document["index_properties"] = self.index_properties.model_dump(mode="json", exclude_defaults=True)
         if self.weighting is not None:
             document["weighting"] = self.weighting
+        if self.noise is not None:
+            document["noise"] = self.noise.model_dump(mode="json")
         if self.accept:
             document["accept"] = list(self.accept)
         if self.seed is not None:

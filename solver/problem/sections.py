@@ -22,6 +22,7 @@ __all__ = [
     "FreeSection",
     "LinkedSection",
     "MethodSection",
+    "NoiseSection",
     "PARAMETER_FORMS",
     "ParameterSection",
     "ProblemFile",
@@ -113,6 +114,11 @@ class Settings(Section):
         "by_count (number of readings), by_range (range of the readings), by_test (by range, each part of a combined "
         "problem alike)",
     )
+    noise: NoiseSection | None = Field(
+        None,
+        description="what is known of the errors of the readings; if absent, intervals allow for what the residuals "
+        "show, and below 50 readings a series for a correlation that they cannot exclude",
+    )
     accept: list[str] = Field(
         default=[],
         max_length=1000,
@@ -127,6 +133,15 @@ class Settings(Section):
         le=10,
         description="in the service: of an owner's jobs, those with a higher priority get more workers "
         "(an administrator's: of all jobs)",
+    )
+
+
+class NoiseSection(Section):
+    """What is known of the errors of the readings."""
+
+    kind: Literal["white", "correlated"] = Field(
+        description="white: errors are independent, and intervals allow for nothing else; correlated: errors of "
+        "neighbouring readings of a series are alike, and intervals always allow for that"
     )
 
 

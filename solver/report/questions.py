@@ -24,6 +24,7 @@ from geoswarm.solver.identifiability.prediction.draws import (
 )
 from geoswarm.solver.identifiability.prediction.question import MOST_RUNS, predict_problem
 from geoswarm.solver.identifiability.prediction.shapes import shape_of
+from geoswarm.solver.identifiability.residuals.dependence import DependenceKind
 from geoswarm.solver.identifiability.stored.posterior import Posterior
 from geoswarm.solver.identifiability.worth.candidates import read_candidates, read_predicted
 from geoswarm.solver.identifiability.worth.question import MOST_DRAWS, design_problem
@@ -55,6 +56,12 @@ _MISPLACED = (
     "the sensitivities are those of a point {far:.1f} standard errors from the minimum; 'geoswarm sensitivity' goes "
     "there first"
 )
+_WIDER: dict[DependenceKind, str] = {
+    "correlated": "the residuals are correlated",
+    "uneven": "the residuals are uneven",
+    "possible": "so few readings cannot exclude that their errors are correlated",
+    "stated": "the errors of the readings are correlated, as stated",
+}
 _CONTAINS = (
     "the band covers the effect of the uncertainty of the identified parameters, {level:.0%} at each x. It "
     "holds neither the error of a reading nor what the forward model itself lacks"
@@ -128,7 +135,7 @@ def sample_of(
     found, several = known.linearisation, len(known.basins) > 1
     bent = [name for name in found.names if found.nonlinear(name)]
     remarks: list[str] = []
-    if source == "posterior" or (source == "auto" and bent and not several and not found.dependence):
+    if source == "posterior" or (source == "auto" and bent and not several and not found.departures):
         try:
             if posterior is None:
                 raise StatisticsError("no posterior sample is available here")
@@ -300,10 +307,8 @@ def _said(known: Known, sample: ParameterSample | None) -> list[str]:
         )
     widest = float(found.widening.max(initial=1.0))
     if found.dependence and widest > 1.0:
-        kinds = " and ".join(dict.fromkeys(one.kind for one in found.dependence))
-        said.append(
-            f"the residuals are {kinds}, so the parameters scatter {widest:.2g} times as widely, as their intervals"
-        )
+        why = " and ".join(dict.fromkeys(_WIDER[one.kind] for one in found.dependence))
+        said.append(f"{why}, so the parameters scatter {widest:.2g} times as widely, as their intervals")
     if not found.at_optimum and found.far is not None:
         said.append(f"the search had not reached the minimum: it is {found.far:.1f} standard errors away")
     said += [f"{name} lies on its {side} bound: its distribution is cut there" for name, side in found.held]

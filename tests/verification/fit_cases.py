@@ -75,6 +75,7 @@ class Case:
     wrong: dict[str, Callable[[FloatArray], FloatArray]] = field(default_factory=dict)
     error: dict[str, float] = field(default_factory=dict)
     weights: dict[str, list[float]] = field(default_factory=dict)
+    noise_kind: str | None = None
 
     @property
     def values(self) -> dict[str, float]:
@@ -99,7 +100,7 @@ class Case:
             },
             "observations": observations,
             "stopping": {"max_evaluations": 10},
-        }
+        } | ({} if self.noise_kind is None else {"noise": {"kind": self.noise_kind}})
 
 
 def exact(formulas: dict[str, str], x: dict[str, FloatArray], values: dict[str, float]) -> dict[str, FloatArray]:
@@ -287,6 +288,7 @@ BANANA = Case(
     {"a": (1.0, -4.0, 6.0, "linear"), "b": (1.0, -15.0, 30.0, "linear")},
     {"y": np.linspace(0.0, 1.0, 20)},
     {"y": normal(1.5)},
+    noise_kind="white",
 )
 """Readings of a and of 10 (b - a^2), Rosenbrock's valley: b follows the square of an uncertain a."""
 

@@ -13,18 +13,22 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import from_evaluations
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.polish import polish
-from tests.solver.identifiability.cases import free, problem_of
+from tests.solver.identifiability.cases import WHITE, free, problem_of
 
 
 @dataclass(frozen=True)
 class Study:
-    """A line or a decay read ``count`` times, with noise of 0.1, ``outliers`` of them ten times as noisy."""
+    """A line or a decay read ``count`` times, with noise of 0.1, ``outliers`` of them ten times as noisy.
+
+    ``white``: the problem states that errors are independent.
+    """
 
     bent: bool
     count: int
     rho: float = 0.0
     outliers: float = 0.0
     loss: str | None = None
+    white: bool = False
 
     def covered(self, repeats: int) -> FloatArray:
         """Share of the intervals that hold the truth, shape (2,)."""
@@ -44,7 +48,9 @@ class Study:
             section: dict[str, Any] = {"series": "y", "points": {"x": x.tolist(), "y": y.tolist()}}
             if self.loss is not None:
                 section |= {"loss": self.loss, "error": 0.1}
-            calibration = Calibration(problem_of(formula, {"a": bounds, "b": bounds}, y, x, observations=[section]), 1)
+            stated: dict[str, Any] = {"noise": WHITE} if self.white else {}
+            given = {"a": bounds, "b": bounds}
+            calibration = Calibration(problem_of(formula, given, y, x, observations=[section], **stated), 1)
             best = polish(calibration, truth).parameters
             found = from_evaluations(calibration, *evaluate_differences(calibration, best)).intervals
             held.append((found[:, 0] <= truth) & (truth <= found[:, 1]))
@@ -58,17 +64,17 @@ def test_few_repeats(study: Study) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("study", [Study(False, 20), Study(True, 20), Study(False, 50)])
+@pytest.mark.parametrize("study", [Study(False, 20, white=True), Study(True, 20, white=True), Study(False, 50)])
 def test_right_models_are_held_as_stated(study: Study) -> None:
     share = study.covered(1000)
     assert (np.abs(share - 0.95) <= 0.02).all(), share
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [20, 50, 200])
-def test_correlated_residuals_are_held(count: int) -> None:
+@pytest.mark.parametrize(("count", "least"), [(8, 0.86), (15, 0.88), (20, 0.9), (50, 0.9), (200, 0.9)])
+def test_correlated_residuals_are_held(count: int, least: float) -> None:
     share = Study(False, count, rho=0.8).covered(1000)
-    assert (share >= 0.9).all(), share
+    assert (share >= least).all(), share
 
 
 @pytest.mark.slow

@@ -10,14 +10,15 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.noise import Noise
 from geoswarm.solver.identifiability.optimum.combinations import Combination
-from geoswarm.solver.identifiability.residuals.dependence import Dependence
+from geoswarm.solver.identifiability.residuals.dependence import ALLOWANCES, Dependence
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 
 __all__ = ["BENDS", "CORRECTED", "IntervalBasis", "LinearModel", "Linearisation"]
 
-IntervalBasis: TypeAlias = Literal["linearised", "correlated", "uneven", "moved", "profile"]
-"""What an interval rests on: the usual covariance, or with an allowance for correlated residuals or such of uneven
-size; ends moved as one run at each shows; or the profile objective."""
+IntervalBasis: TypeAlias = Literal["linearised", "correlated", "uneven", "possible", "stated", "moved", "profile"]
+"""What an interval rests on: the usual covariance, or with an allowance for correlated residuals, such of uneven size,
+a correlation that so few readings cannot exclude, or one that the problem states; ends moved as one run at each shows;
+or the profile objective."""
 
 BENDS = 0.1
 """Part by which an end of an interval by likelihood differs from the linearised one where a model is nonlinear."""
@@ -29,6 +30,8 @@ _BASES: dict[IntervalBasis, str] = {
     "linearised": "",
     "correlated": "widened for correlated residuals",
     "uneven": "widened for residuals of uneven size",
+    "possible": "widened for a correlation that so few readings cannot exclude",
+    "stated": "widened for correlated noise, as stated",
     "moved": "by likelihood from one run at each end",
     "profile": "by likelihood",
 }
@@ -123,7 +126,8 @@ class Linearisation:
         Relative difference of an end of each interval by likelihood from the linearised one, the larger of both, shape
         (d,); nan where nobody looked (:mod:`geoswarm.solver.identifiability.optimum.bending`).
     dependence
-        Series whose residuals are correlated, or of uneven size; intervals allow for it, standard errors do not.
+        Series whose noise is or may be correlated, or is of uneven size; intervals allow for it, standard errors do
+        not.
     to_rounding
         The readings are met to rounding and no error is stated. The standard errors are rounding errors then, so the
         distance from the minimum counts as 0 and nonlinearity within the intervals as none.
@@ -155,6 +159,11 @@ class Linearisation:
     bending: FloatArray
     dependence: tuple[Dependence, ...] = ()
     to_rounding: bool = False
+
+    @property
+    def departures(self) -> tuple[Dependence, ...]:
+        """What was found or stated of the noise, without what so few readings cannot exclude."""
+        return tuple(one for one in self.dependence if one.kind != "possible")
 
     @property
     def at_optimum(self) -> bool:
@@ -220,20 +229,27 @@ class Linearisation:
         """How many times wider an allowance for dependence makes its interval by linearisation."""
         return float(self.widening[self.names.index(name)])
 
+    def _allowance(self, name: str) -> str:
+        """For what its interval is widened, in a few words; empty where it is not."""
+        basis, factor = self.basis(name), self.widening_of(name)
+        kinds = {basis, *(one.kind for one in self.dependence if factor > 1.0)}
+        kind = next((kind for kind in ALLOWANCES if kind in kinds), None)
+        return "" if kind is None else f"{_BASES[kind]} by a factor of {factor:.2g}"
+
     def basis_in_words(self, name: str) -> str:
         """What its interval rests on, in a few words; empty for linearisation where that is enough."""
         if self.bent(name):
             return "approximate: the model is nonlinear there"
-        basis = self.basis(name)
-        widened = basis in ("correlated", "uneven")
-        return f"{_BASES[basis]}{f' by a factor of {self.widening_of(name):.2g}' if widened else ''}"
+        how = "" if self.basis(name) in ALLOWANCES else _BASES[self.basis(name)]
+        return ", ".join(part for part in (how, self._allowance(name)) if part)
 
     def interval_in_words(self, name: str) -> str:
         """Which interval it has: "its 95% interval by linearisation"."""
         looked = bool(np.isfinite(self.bending_of(name)))
         how = {"linearised": " at the optimum" if looked else " by linearisation"}
         how |= {"moved": " by likelihood", "profile": " by likelihood"}
-        words = f"its {self.level:.0%} interval{how.get(self.basis(name), f', {self.basis_in_words(name)},')}"
+        allowance = self._allowance(name)
+        words = f"its {self.level:.0%} interval{how.get(self.basis(name), '')}{f', {allowance},' if allowance else ''}"
         untold = self.noise is not None and self.noise.origin == "known" and self.degrees_of_freedom < 1
         return f"{words.rstrip(',')}, if the stated error holds," if untold else words
 

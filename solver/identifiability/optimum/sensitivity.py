@@ -35,7 +35,7 @@ from geoswarm.solver.identifiability.optimum.differences import (
 from geoswarm.solver.identifiability.optimum.linearisation import IntervalBasis, Linearisation, LinearModel
 from geoswarm.solver.identifiability.optimum.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.optimum.spread import Spread, mean_variance, reading_variances
-from geoswarm.solver.identifiability.residuals.dependence import Dependence, dependence_of
+from geoswarm.solver.identifiability.residuals.dependence import ALLOWANCES, Dependence, dependence_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit
 from geoswarm.solver.identifiability.residuals.readings import is_exact, met_to_rounding
 from geoswarm.solver.objective import LEAST_SLOPE, PseudoReadings
@@ -161,7 +161,10 @@ def _dependence(
     found: Directions,
     fit: FitVerdict,
 ) -> list[tuple[Dependence, IntArray]]:
-    """Series whose residuals are correlated or of uneven size, and their readings in the order of x."""
+    """Series whose noise is or may be correlated or of uneven size, and their readings in the order of x."""
+    stated = calibration.problem.noise
+    if stated is not None and stated.kind == "white":
+        return []
     departing = []
     start = 0
     patterned = {m.series for m in fit.misfits if m.reason == "pattern"}
@@ -172,7 +175,12 @@ def _dependence(
         if is_exact(o, jacobian.responses[o.series] - o.y):
             continue
         one = dependence_of(
-            o.series, residuals[places], found.basis[places], o.x[places - first], o.series in patterned
+            o.series,
+            residuals[places],
+            found.basis[places],
+            o.x[places - first],
+            o.series in patterned,
+            stated is not None,
         )
         if one is not None:
             departing.append((one, places))
@@ -249,7 +257,7 @@ def _assemble(
 
 
 def _bases(spread: Spread, dependence: tuple[Dependence, ...]) -> tuple[IntervalBasis, ...]:
-    """What the interval of each parameter rests on: correlation goes before unevenness where both widen it."""
+    """What the interval of each parameter rests on: what was found goes before what is possible where both widen it."""
     kinds = {one.kind for one in dependence}
-    wider: IntervalBasis = "correlated" if "correlated" in kinds else "uneven"
+    wider: IntervalBasis = next((kind for kind in ALLOWANCES if kind in kinds), "uneven")
     return tuple(wider if factor > 1.0 else "linearised" for factor in spread.widening.tolist())

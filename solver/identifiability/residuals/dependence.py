@@ -1,16 +1,19 @@
 """Noise that is not independent and even: what correlated residuals, and residuals of uneven size, do to intervals.
 
-Used where the residuals show it, and for intervals alone: standard errors are those of independent noise of one size.
-An interval is the wider of the two.
+Used where the residuals show it, where readings are too few to exclude it, and where the problem states it; for
+intervals alone: standard errors are those of independent noise of one size. An interval is the wider of the two.
 
 - *Correlated*: autoregressive of first order within a series; of unevenly spaced readings either by their order or by
   their distance in x, correlation rho^(distance / median distance), as the likelihood decides. Residuals are less
-    correlated than the noise, as the fit
-  takes a part of it along, so the correlation rho is judged by the restricted likelihood (Patterson and Thompson 1971;
-  Cressie and Lahiri 1993), and as few readings leave it uncertain, the interval is one of the mixture of Student's t
-  over rho, each weighted by that likelihood and by (1 - rho^2)^-1/4. n readings are worth n^2 / sum R independent
-  ones, with R their correlations: n (1 - rho) / (1 + rho) of many even ones. It is looked for where a pattern was found
-  in the residuals, and where the likelihood speaks for it.
+  correlated than the noise, as the fit takes a part of it along, so the correlation rho is judged by the restricted
+  likelihood (Patterson and Thompson 1971; Cressie and Lahiri 1993), and as few readings leave it uncertain, the
+  interval is one of the mixture of Student's t over rho, each weighted by that likelihood and its prior: independent
+  as likely as not, otherwise even in Fisher's arctanh rho, 1 / (1 - rho^2), up to 0.98. n readings are
+  worth n^2 / sum R independent ones, with R their correlations: n (1 - rho) / (1 + rho) of many even ones. It is looked
+  for where a pattern was found in the residuals, and where the likelihood speaks for it.
+- *Possible*: below 50 readings the same mixture applies if nothing was found. Its width over that of independent noise
+  widens what the series adds, as several series have one estimate of their noise.
+- *Stated*: the same without the prior probability of independence, for any number of readings.
 - *Uneven*: each residual stands for its own variance, r_i^2 / (1 - h_i)^2 with the leverage h_i (MacKinnon and White
   1985, HC3); the degrees of freedom follow from how few of them carry it (Lipsitz, Ibrahim and Parzen 1999).
 """
@@ -18,7 +21,7 @@ An interval is the wider of the two.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy.linalg import solve_banded, solve_triangular
@@ -26,10 +29,16 @@ from scipy.special import stdtr, stdtrit
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 
-__all__ = ["Dependence", "allowed_deviations", "dependence_of"]
+__all__ = ["ALLOWANCES", "Dependence", "DependenceKind", "allowed_deviations", "dependence_of"]
+
+DependenceKind: TypeAlias = Literal["correlated", "uneven", "possible", "stated"]
+"""Found correlated or of uneven size; possibly correlated, which few readings cannot exclude; stated as correlated."""
+
+ALLOWANCES: tuple[DependenceKind, ...] = ("correlated", "stated", "uneven", "possible")
+"""The kinds, in the order in which a report names the first that widens an interval."""
 
 _SIGNIFICANT = 2.58  # of the correlation of sizes with x, times the root of n - 1: a level of 1 %
-_FEWEST = 8
+_FEWEST, _FEWEST_POSSIBLE = 8, 3
 _RHO = np.linspace(0.0, 0.98, 50)
 _LEAST_LEFT = 0.05  # of 1 - h
 _FEWEST_FREE = 2.0
@@ -37,7 +46,8 @@ _EVEN = 0.01  # of the median distance: smaller differences do not count
 _LEAST_GAP, _MOST_GAP = 0.05, 1e3  # repeats are not the same reading
 _FEWEST_TO_SPEAK, _FEW = 18, 50  # readings: fewer leave the correlation open; of few, tests for patterns miss it
 _SPEAKS, _SPEAKS_OF_FEW = 3.84, 1.0  # twice the gain of log-likelihood: by chance more in 2.5, of few in 16 %
-_PRIOR = 0.25  # power of 1 / (1 - rho^2): half-way from even to the reference prior (Berger and Yang 1994)
+_INDEPENDENT = 0.5  # prior probability
+_MANY = 1e6  # degrees of freedom, as good as infinite
 _FURTHER_WAY = 1.0  # that much more where there are two ways to choose from
 
 
@@ -50,7 +60,7 @@ class Dependence:
     series
         Its name.
     kind
-        ``correlated`` or ``uneven``.
+        How.
     rho
         Correlation of neighbouring readings, of ``by_x`` at their median distance; 0 for uneven ones.
     readings, effective
@@ -60,7 +70,7 @@ class Dependence:
     """
 
     series: str
-    kind: Literal["correlated", "uneven"]
+    kind: DependenceKind
     rho: float
     readings: int
     effective: float
@@ -69,6 +79,17 @@ class Dependence:
     @property
     def sentence(self) -> str:
         """What it means for intervals."""
+        if self.kind == "possible":
+            return (
+                f"{self.series}: {self.readings} readings cannot exclude that the errors of neighbours are correlated; "
+                "intervals allow for that, standard errors do not. If they are known to be independent, state "
+                "noise: {kind: white} in the problem."
+            )
+        if self.kind == "stated":
+            return (
+                f"{self.series}: the problem states that the errors of neighbours are correlated; intervals allow for "
+                "that, standard errors do not."
+            )
         if self.kind == "correlated":
             how = f"{self.rho:.2f}{' at their median distance in x' if self.by_x else ''}"
             return (
@@ -83,7 +104,7 @@ class Dependence:
 
 
 def dependence_of(
-    series: str, scaled: FloatArray, basis: FloatArray, x: FloatArray, correlated: bool
+    series: str, scaled: FloatArray, basis: FloatArray, x: FloatArray, correlated: bool, stated: bool = False
 ) -> Dependence | None:
     """Describe the noise of one series.
 
@@ -97,11 +118,16 @@ def dependence_of(
         Of the readings, rising, shape (m,).
     correlated
         Whether a pattern was found in them.
+    stated
+        Whether the problem states that they are correlated.
     """
     count = len(scaled)
-    if count < _FEWEST or not np.any(scaled):
+    if count < _FEWEST_POSSIBLE or not np.any(scaled):
         return None
-    likelihood, _, gaps = _candidates(scaled, basis, x)
+    unseen = Dependence(series, "stated" if stated else "possible", 0.0, count, float(count))
+    if stated or count < _FEWEST:
+        return unseen
+    likelihood, _, gaps, _ = _candidates(scaled, basis, x)
     way, index = (int(place) for place in np.unravel_index(np.argmax(likelihood), likelihood.shape))
     gain = 2.0 * float(likelihood[way, index] - likelihood[0, 0])
     speaks = gain > (_SPEAKS_OF_FEW if count < _FEW else _SPEAKS) + _FURTHER_WAY * (len(gaps) - 1)
@@ -114,7 +140,7 @@ def dependence_of(
         rho = float(_RHO[index])
         total = float(np.sum(_along(np.ones((1, count)), rho ** gaps[way]) ** 2))
         return Dependence(series, "correlated", rho, count, max(count**2 / total, 1.0), way == 1)
-    return None
+    return unseen if count < _FEW else None
 
 
 def allowed_deviations(
@@ -154,7 +180,10 @@ def allowed_deviations(
         if dependence.kind == "uneven":
             half = _uneven_half(own, residuals[places], rows, level)
         else:
-            half = _correlated_half(own, residuals[places], rows, x[places], level)
+            half, factor = _correlated_half(own, residuals[places], rows, x[places], level, dependence.kind)
+            if dependence.kind != "correlated":
+                spread = np.sqrt(np.sum((own * deviations[places]) ** 2, axis=1))
+                half = quantile * spread * np.maximum(factor, 1.0)
         variances += (half / quantile) ** 2
     rest = (inverse * deviations)[:, ~departing]
     return np.asarray(np.sqrt(variances + np.sum(rest**2, axis=1)))
@@ -172,11 +201,17 @@ def _uneven_half(inverse: FloatArray, residuals: FloatArray, basis: FloatArray, 
 
 
 def _correlated_half(
-    inverse: FloatArray, residuals: FloatArray, basis: FloatArray, x: FloatArray, level: float
-) -> FloatArray:
-    """Half widths, shape (d,), of what one series of correlated noise adds: the mixture over correlations."""
-    likelihood, variance, gaps = _candidates(residuals, basis, x)
-    likelihood = likelihood - _PRIOR * np.log(1.0 - _RHO**2)
+    inverse: FloatArray, residuals: FloatArray, basis: FloatArray, x: FloatArray, level: float, kind: DependenceKind
+) -> tuple[FloatArray, FloatArray]:
+    """Half widths, shape (d,), of what one series of correlated noise adds, and how many times wider they are.
+
+    The mixture over correlations.
+    """
+    likelihood, variance, gaps, free = _candidates(residuals, basis, x)
+    prior = 1.0 / (1.0 - _RHO**2)
+    if kind != "stated":
+        prior[0] = _INDEPENDENT / (1.0 - _INDEPENDENT) * prior[1:].sum()
+    likelihood = likelihood + np.log(prior)
     shares = np.exp(likelihood - likelihood.max())
     shares /= shares.sum()
     used = np.argwhere(shares > 1e-6 * shares.max())
@@ -184,7 +219,7 @@ def _correlated_half(
     for row, (way, index) in enumerate(used.tolist()):
         own = np.sum(_along(inverse, _RHO[index] ** gaps[way]) ** 2, axis=1)
         spreads[row] = np.sqrt(own * variance[way, index])
-    free = max(float(len(residuals) - basis.shape[1]), 1.0)
+    plain = stdtrit(free, 0.5 + level / 2.0) * np.sqrt(np.sum(inverse**2, axis=1) * variance[0, 0])
     # bisection for the half width that the mixture of Student's t exceeds with 1 - level
     low = np.zeros(len(inverse))
     high = stdtrit(free, 0.5 + level / 2.0) * np.maximum(spreads.max(axis=0), 1e-300)
@@ -193,7 +228,7 @@ def _correlated_half(
         middle = 0.5 * (low + high)
         inside = kept @ (2.0 * stdtr(free, middle / np.maximum(spreads, 1e-300)) - 1.0)
         low, high = np.where(inside < level, middle, low), np.where(inside < level, high, middle)
-    return np.asarray(high)
+    return high, np.divide(high, plain, out=np.ones_like(high), where=plain > 0.0)
 
 
 def _along(rows: FloatArray, rho: FloatArray) -> FloatArray:
@@ -218,13 +253,16 @@ def _gaps(x: FloatArray) -> list[FloatArray]:
 
 def _candidates(
     residuals: FloatArray, basis: FloatArray, x: FloatArray
-) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
-    """Restricted log-likelihood and variance of a reading, of shape (ways, correlations), and the gaps of the ways."""
+) -> tuple[FloatArray, FloatArray, list[FloatArray], float]:
+    """Restricted log-likelihood and variance of a reading, of shape (ways, correlations), gaps of the ways, freedom."""
     gaps = _gaps(x)
     left, singular, _ = np.linalg.svd(basis, full_matrices=False)
     table = np.column_stack([left[:, singular > 1e-8], residuals])
+    free = len(table) - table.shape[1] + 1
+    if free < 1:  # the fit takes along all that the series says of its noise
+        return np.zeros((len(gaps), _RHO.size)), np.ones((len(gaps), _RHO.size)), gaps, _MANY
     found = np.array([[_restricted(table, rho**way) for rho in _RHO.tolist()] for way in gaps])
-    return found[..., 0], found[..., 1], gaps
+    return found[..., 0], found[..., 1], gaps, float(free)
 
 
 def _restricted(table: FloatArray, rho: FloatArray) -> tuple[float, float]:
@@ -234,7 +272,7 @@ def _restricted(table: FloatArray, rho: FloatArray) -> tuple[float, float]:
     derivatives: the columns of ``table`` before its last, which are the residuals.
     """
     count, columns = table.shape
-    free = max(count - columns + 1, 1)
+    free = count - columns + 1
     square = 1.0 - rho * rho
     white = (table[1:] - rho[:, None] * table[:-1]) / np.sqrt(square)[:, None]
     gram = np.outer(table[0], table[0]) + white.T @ white

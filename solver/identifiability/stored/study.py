@@ -286,7 +286,7 @@ def analyse(
     fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
     warnings = [w for r in residuals for w in r.warnings] if fit.kind in ("untested", "error_not_met") else []
     if linearisation is not None:
-        warnings = [*(one.sentence for one in linearisation.dependence), *warnings]
+        warnings = [*(one.sentence for one in linearisation.departures), *warnings]
     if linearisation is not None and not linearisation.at_optimum:
         far = linearisation.far
         warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))

@@ -12,9 +12,11 @@ from geoswarm.solver.identifiability import Linearisation, Samples, design, from
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
 
-__all__ = ["X", "free", "linearised", "problem_of", "sampled"]
+__all__ = ["WHITE", "X", "free", "linearised", "problem_of", "sampled"]
 
 X = np.linspace(0.5, 4.0, 20)
+WHITE = {"kind": "white"}
+"""Noise of which textbooks speak: intervals make no allowance for correlation."""
 
 
 def free(lower: float = 0.1, upper: float = 10.0, scale: str = "linear") -> dict[str, Any]:

@@ -14,7 +14,7 @@ from geoswarm.solver.identifiability import from_evaluations
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.identifiability.residuals.dependence import Dependence, allowed_deviations, dependence_of
-from tests.solver.identifiability.cases import free, problem_of
+from tests.solver.identifiability.cases import WHITE, free, linearised, problem_of
 
 COUNT = 30
 X = np.linspace(0.0, 2.0, COUNT)
@@ -30,6 +30,13 @@ def correlated_residuals(rho: float) -> FloatArray:
     for i in range(1, COUNT):
         noise[i] = rho * noise[i - 1] + np.sqrt(1.0 - rho**2) * noise[i]
     return np.asarray(noise - BASIS @ (BASIS.T @ noise))
+
+
+def prior(grid: FloatArray) -> FloatArray:
+    """Half for independent noise, half even in arctanh rho."""
+    shares = 1.0 / (1.0 - grid**2)
+    shares[0] = shares[1:].sum()
+    return shares
 
 
 def half_widths(residuals: FloatArray, found: Dependence) -> FloatArray:
@@ -52,7 +59,7 @@ def test_the_interval_of_correlated_noise_is_the_mixture_over_rho() -> None:
         squares = float(own @ np.linalg.solve(inside, own))
         logarithms.append(-0.5 * np.linalg.slogdet(inside)[1] - 0.5 * (COUNT - 2) * np.log(squares))
         spreads.append(np.sqrt(squares / (COUNT - 2) * np.diag(INVERSE @ matrix @ INVERSE.T)))
-    shares = np.exp(np.array(logarithms) - max(logarithms)) / (1.0 - grid**2) ** 0.25
+    shares = np.exp(np.array(logarithms) - max(logarithms)) * prior(grid)
     shares /= shares.sum()
     assert found.rho == pytest.approx(grid[np.argmax(logarithms)])
 
@@ -76,9 +83,30 @@ def test_the_interval_of_uneven_noise_is_that_of_hc3() -> None:
     np.testing.assert_allclose(half_widths(residuals, found), expected, rtol=1e-9)
 
 
-def test_even_and_independent_residuals_depend_on_nothing() -> None:
-    noise = np.random.default_rng(8).normal(0.0, 1.0, COUNT)
-    assert dependence_of("y", noise - BASIS @ (BASIS.T @ noise), BASIS, X, correlated=False) is None
+@pytest.mark.parametrize(("count", "least", "most"), [(5, 1.3, 4.0), (15, 1.1, 1.8), (49, 1.0, 1.1), (50, 1.0, 1.0)])
+def test_few_readings_cannot_exclude_a_correlation(count: int, least: float, most: float) -> None:
+    """Even and independent residuals; 50 show that they are."""
+    x = np.linspace(0.0, 2.0, count)
+    y = 3.0 + 0.1 * np.cos(1.7 * np.arange(count))
+    given = {name: free(-9.0, 9.0) for name in "ab"}
+    white, unknown, correlated = (
+        linearised(problem_of("a + b * x", given, y, x, **changes), np.polyfit(x, y, 1)[::-1].tolist())
+        for changes in ({"noise": WHITE}, {}, {"noise": {"kind": "correlated"}})
+    )
+    assert white.bases == ("linearised", "linearised")
+    assert not white.dependence
+    assert correlated.bases[0] == "stated"
+    ratio = np.diff(unknown.intervals, axis=1) / np.diff(white.intervals, axis=1)
+    assert least <= ratio.min()
+    assert ratio.max() <= most
+    assert (np.diff(correlated.intervals, axis=1)[0] > np.diff(unknown.intervals, axis=1)[0]).all()
+    if count < 50:
+        assert f"widened for a correlation that so few readings cannot exclude by a factor of {ratio[0, 0]:.2g}" in (
+            unknown.interval_in_words("a")
+        )
+        assert not unknown.departures
+    else:
+        assert not unknown.dependence
 
 
 def test_standard_errors_do_not_allow_for_dependence_and_intervals_are_never_narrower() -> None:
@@ -125,9 +153,7 @@ def test_the_interval_of_uneven_readings_weighs_order_against_distance() -> None
     best = int(np.argmax(logarithms))
     assert found.by_x == (best >= 50)
     assert found.effective == pytest.approx(max(worth[best], 1.0))
-    shares = (
-        np.exp(np.array(logarithms) - max(logarithms)) / (1.0 - np.tile(np.linspace(0.0, 0.98, 50), 2) ** 2) ** 0.25
-    )
+    shares = np.exp(np.array(logarithms) - max(logarithms)) * np.tile(prior(np.linspace(0.0, 0.98, 50)), 2)
     shares /= shares.sum()
 
     def missing(half: float, index: int) -> float:

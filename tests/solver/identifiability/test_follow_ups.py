@@ -23,10 +23,10 @@ from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.runs.runlog import RunLog
-from tests.solver.identifiability.cases import X, free, linearised, problem_of
+from tests.solver.identifiability.cases import WHITE, X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)
-LINE = problem_of("a * x + b", {"a": free(), "b": free()}, Y)
+LINE = problem_of("a * x + b", {"a": free(), "b": free()}, Y, noise=WHITE)
 SLOPE, INTERCEPT = np.polyfit(X, Y, 1)
 
 

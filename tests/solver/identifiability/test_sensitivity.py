@@ -21,7 +21,7 @@ from geoswarm.solver.identifiability import (
 from geoswarm.solver.identifiability.optimum.combinations import find_directions
 from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
 from geoswarm.solver.runs.local import calibrate
-from tests.solver.identifiability.cases import X, free, linearised, problem_of
+from tests.solver.identifiability.cases import WHITE, X, free, linearised, problem_of
 
 Y = 6.0 * X + 1.0 + np.random.default_rng(1).normal(0.0, 0.1, X.size)
 
@@ -102,7 +102,8 @@ def test_intervals_match_the_textbook_line() -> None:
     from scipy.stats import linregress, t
 
     fitted = linregress(X, Y)
-    found = linearised(problem_of("a * x + b", {"a": free(), "b": free()}, Y), [fitted.slope, fitted.intercept])
+    problem = problem_of("a * x + b", {"a": free(), "b": free()}, Y, noise=WHITE)
+    found = linearised(problem, [fitted.slope, fitted.intercept])
     np.testing.assert_allclose(found.standard_errors, [fitted.stderr, fitted.intercept_stderr], rtol=1e-6)
     half = t.ppf(0.975, X.size - 2) * fitted.stderr
     np.testing.assert_allclose(found.interval("a"), [fitted.slope - half, fitted.slope + half], rtol=1e-6)

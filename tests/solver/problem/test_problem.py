@@ -167,7 +167,7 @@ def test_the_schema_knows_every_section_and_every_kind() -> None:
     schema = problem_schema(programs=True)
     assert set(schema["properties"]) == {
         *("name", "forward_model", "parameters", "constraints", "observations", "method", "stopping", "seed"),
-        *("weighting", "limits", "failures", "priority", "warm_start", "index_properties", "accept", "answer"),
+        *("weighting", "limits", "failures", "priority", "warm_start", "index_properties", "accept", "answer", "noise"),
     }
     assert schema["required"] == ["forward_model", "parameters", "observations"]
     assert [choice["$ref"] for choice in schema["$defs"]["forward_model"]["oneOf"]] == [

@@ -1,7 +1,7 @@
 // The problem in the making: one document that the form and the YAML both show, judged by the service after every change.
 import { request, RequestError } from "../http.js";
 
-const ORDER = ["name", "forward_model", "index_properties", "parameters", "constraints", "weighting", "method", "stopping", "seed", "priority", "limits", "failures", "warm_start", "observations"];
+const ORDER = ["name", "forward_model", "index_properties", "parameters", "constraints", "weighting", "noise", "method", "stopping", "seed", "priority", "limits", "failures", "warm_start", "observations"];
 const PAUSE = 250; // ms without a keystroke before the service is asked
 const KEPT = "geoswarm-new-job";
 

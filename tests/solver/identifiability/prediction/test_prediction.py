@@ -18,7 +18,7 @@ from geoswarm.solver.identifiability.prediction.bands import weighted_quantiles
 from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around
 from geoswarm.solver.identifiability.prediction.question import predict_problem
 from geoswarm.solver.problem import Problem
-from tests.solver.identifiability.cases import X, free, linearised, problem_of
+from tests.solver.identifiability.cases import WHITE, X, free, linearised, problem_of
 from tests.solver.identifiability.prediction.coverage import CASES, coverage, predicted
 
 NOISE = 0.05 * np.random.default_rng(2).standard_normal(X.size)
@@ -26,7 +26,7 @@ NOISE = 0.05 * np.random.default_rng(2).standard_normal(X.size)
 
 def line(known: bool = False) -> Problem:
     y = 1.0 + 2.0 * X + NOISE
-    changes: dict[str, Any] = {}
+    changes: dict[str, Any] = {"noise": WHITE}
     if known:
         points = {"x": X.tolist(), "y": y.tolist()}
         changes["observations"] = [{"series": "y", "points": points, "error": 0.05}]

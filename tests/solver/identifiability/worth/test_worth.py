@@ -9,7 +9,7 @@ import pytest
 
 from geoswarm.calibration import calibrate
 from geoswarm.solver.errors import ProblemError
-from tests.solver.identifiability.cases import X, free, problem_of
+from tests.solver.identifiability.cases import WHITE, X, free, problem_of
 from tests.solver.identifiability.worth.brute_force import PROBLEMS, designed, fitted, scatter
 
 NOISE = 0.05 * np.random.default_rng(2).standard_normal(X.size)
@@ -29,6 +29,7 @@ def line() -> Any:
         X,
         observations=[{"series": "y", "points": points, "error": 0.05}],
         method={"kind": "particle_swarm", "particles": 10, "acceleration": "none"},
+        noise=WHITE,
     )
     return calibrate(problem, seed=3)
 
