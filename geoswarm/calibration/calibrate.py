@@ -45,6 +45,7 @@ def calibrate(
     failures: Mapping[str, Any] | None = None,
     answer: Mapping[str, Any] | None = None,
     weighting: str | None = None,
+    noise: Mapping[str, Any] | None = None,
     quick_runs: bool | None = None,
     seed: int | None = None,
     name: str | None = None,
@@ -81,6 +82,8 @@ def calibrate(
         What one evaluation may use, and what happens when one fails.
     answer
         How many runs may follow the search, for the minimum and intervals there: ``{"max_evaluations": 50}``.
+    noise
+        What is known of the errors of the readings: ``{"kind": "white"}`` or ``{"kind": "correlated"}``.
     weighting, seed, name
         Weighting scheme; seed of all random numbers (chosen and reported if None); name of the calibration.
     quick_runs
@@ -140,6 +143,7 @@ def calibrate(
         failures=failures,
         answer=answer,
         weighting=weighting,
+        noise=noise,
         quick_runs=quick_runs,
         seed=seed,
         name=name,

@@ -217,6 +217,7 @@ def test_every_option_of_a_problem_file_passes(tmp_path: Path) -> None:
         "failures": {"retry": {"timeout": 1}, "policy": {"not_finite": "fail"}},
         "answer": {"max_evaluations": "off"},
         "weighting": "by_count",
+        "noise": {"kind": "white"},
         "seed": np.int64(3),
         "name": "all of them",
     }
@@ -224,6 +225,7 @@ def test_every_option_of_a_problem_file_passes(tmp_path: Path) -> None:
     problem = gs.problem(line, **options)
     document = problem.document()
     assert (document["name"], document["seed"], document["weighting"]) == ("all of them", 3, "by_count")
+    assert document["noise"] == {"kind": "white"}
     assert document["method"]["samples"] == 8
     assert document["limits"] == {"seconds_per_evaluation": 3.0, "memory_mb": 1000.0}
     assert document["failures"] == options["failures"]
