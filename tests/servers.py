@@ -74,17 +74,25 @@ class ServerStartError(ServerError):
     """The server ended early or did not answer in time."""
 
 
-def free_port() -> int:
-    """Return a TCP port of 127.0.0.1 on which nothing listens now, outside the range of outgoing connections."""
-    for port in random.SystemRandom().sample(PORTS, 200):
-        with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            try:
-                probe.bind(("127.0.0.1", port))
-            except OSError:
-                continue
+def free_port(count: int = 1) -> int:
+    """Return a TCP port of 127.0.0.1 on which nothing listens now, outside the range of outgoing connections.
+
+    The next ``count - 1`` ports are free, too.
+    """
+    for port in random.SystemRandom().sample(PORTS[: len(PORTS) - count + 1], 200):
+        if all(map(_is_free, range(port, port + count))):
             return port
     raise ServerStartError(f"no free port of 127.0.0.1 between {PORTS.start} and {PORTS.stop - 1}")
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError:
+            return False
+    return True
 
 
 def find_program(name: str, folders: Sequence[Path] = ()) -> Path:

@@ -24,6 +24,7 @@ def noisy() -> dict[str, Any]:
         observations=[{"series": "y", "points": {"x": X.tolist(), "y": Y.tolist()}}],
         method={"kind": "monte_carlo", "samples": 300},
         stopping={},
+        noise={"kind": "white"},
     )
 
 
@@ -283,7 +284,7 @@ def test_a_design_puts_the_candidate_that_tells_most_first(examined: tuple[App, 
 def test_a_job_shows_intervals_and_verdicts_as_soon_as_it_has_ended(engine: Engine) -> None:
     app = App(engine.service)
     readings = [{"series": "y", "points": {"x": X.tolist(), "y": Y.tolist()}}]
-    problem = line_problem(observations=readings, answer={"max_evaluations": 40})
+    problem = line_problem(observations=readings, answer={"max_evaluations": 40}, noise={"kind": "white"})
     job = app.post(f"{API}/jobs", json=problem).json()
     assert job["intervals"] is job["verdicts"] is job["search_best"] is job["at_bounds"] is None
     assert wait_for_end(engine.service, job["id"]).state == "finished"

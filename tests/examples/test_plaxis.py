@@ -51,7 +51,7 @@ def plaxis(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Plaxis:
     program = folder / "Plaxis2DXInput"
     program.write_text(f"#!/bin/sh\nexec '{sys.executable}' '{folder / 'plaxis.py'}' \"$@\"\n", encoding="utf-8")
     program.chmod(0o755)
-    found = Plaxis(problem, folder, free_port())
+    found = Plaxis(problem, folder, free_port(2))  # for Input and Output
     (found.model / "embankment.p2dx").write_text("a project\n", encoding="utf-8")
     (found.model / "embankment.p2dxdat").mkdir()
     (found.model / "embankment.p2dxdat" / "data.p2dx").write_text("its data\n", encoding="utf-8")
