@@ -16,6 +16,7 @@ __all__ = [
     "did_you_mean",
     "duration",
     "ends",
+    "interval_digits",
     "listed",
     "number",
     "reasons_in_words",
@@ -140,10 +141,16 @@ def ends(low: float, high: float, *, digits: int = 3, plain: bool = False) -> tu
     Rounding an end moves it by a twentieth of the width at most, so that both differ from each other and from a value
     between them.
     """
-    largest, width = max(abs(low), abs(high)), high - low
-    if math.isfinite(width) and width > 0.0:
-        digits = max(digits, min(math.floor(math.log10(largest)) - math.floor(math.log10(0.1 * width)) + 1, 15))
+    digits = interval_digits(low, high, digits)
     return number(low, digits, plain=plain), number(high, digits, plain=plain)
+
+
+def interval_digits(low: float, high: float, fewest: int = 3) -> int:
+    """Return how many significant digits the ends of an interval, and a value in it, need."""
+    largest, width = max(abs(low), abs(high)), high - low
+    if not (math.isfinite(width) and width > 0.0):
+        return fewest
+    return max(fewest, min(math.floor(math.log10(largest)) - math.floor(math.log10(0.1 * width)) + 1, 15))
 
 
 def listed(words: Sequence[str], last: str = "and") -> str:

@@ -13,7 +13,7 @@ from geoswarm.api.pages.shell import number, render
 from geoswarm.api.pages.sparkline import sparkline
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, JOB_STATES, OPEN_STATES
-from geoswarm.solver.words import FITS, ends, verdict_in_words
+from geoswarm.solver.words import FITS, ends, interval_digits, verdict_in_words
 from geoswarm.workers.queries.job_list import JobFilters, SortKey
 
 __all__ = ["router"]
@@ -62,9 +62,12 @@ def found(job: Job) -> list[FoundValue]:
     for name in job.free_parameters[:MOST_PARAMETERS]:
         value, interval = job.parameters[name], (job.intervals or {}).get(name)
         told = () if interval is None else ends(*interval, plain=True)
-        digits = max((len(one.partition("e")[0].strip("-").replace(".", "").lstrip("0")) for one in told), default=4)
-        bound, kind = (job.at_bounds or {}).get(name), (job.verdicts or {}).get(name, "identified")
-        doubt = f"at its {bound} bound" if bound else None if kind == "identified" else verdict_in_words(kind)
+        digits = 4 if interval is None else interval_digits(*interval)
+        doubt = None
+        if bound := (job.at_bounds or {}).get(name):
+            doubt = f"at its {bound} bound"
+        elif (kind := (job.verdicts or {}).get(name, "identified")) != "identified":
+            doubt = verdict_in_words(kind)
         values.append(FoundValue(name, number(value, digits), told, doubt))
     return values
 

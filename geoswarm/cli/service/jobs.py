@@ -95,7 +95,7 @@ def show_command(job: str, failures: bool, attempts: str | None, as_json: bool, 
 
     With --json also 'best': the best evaluation with misfits and responses in base units, or null; 'diversity': how
     widely the particles of the last generation are scattered, or null; 'intervals' (95 %) and 'verdicts' by parameter,
-    null before a search is finished; with --failures
+    'fit' and 'shares' of the series, null before a search is finished; with --failures
     'failures': how many for which 'reasons', and the first 20 as 'items'; with --attempts 'attempts'.
     """
     from geoswarm.cli.service.failures import attempts_of, failures_of, show_attempts, show_failures

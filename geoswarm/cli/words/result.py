@@ -42,14 +42,16 @@ def interval_heading(level: float, fit: Mapping[str, Any] | None) -> tuple[str, 
 
 
 def values_json(found: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return 95 % interval and kind of verdict of each parameter from statistics as plain JSON; None without any."""
+    """Return what statistics as plain JSON say of each parameter and of the fit, as a job does; None without any."""
     if found is None:
-        return {"intervals": None, "verdicts": None}
+        return dict.fromkeys(("intervals", "verdicts", "fit", "shares"))
     known = None if found["linearisation"] is None else found["linearisation"]["parameters"]
     names = [verdict["parameter"] for verdict in found["verdicts"]]
     return {
         "intervals": {name: None if known is None else known[name]["interval"] for name in names},
         "verdicts": {verdict["parameter"]: verdict["kind"] for verdict in found["verdicts"]},
+        "fit": found["fit"]["kind"],
+        "shares": found["weights"],
     }
 
 
