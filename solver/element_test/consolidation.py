@@ -239,8 +239,11 @@ def follow_movement(
         steps += done
         check(movement.name, column.strain)
         if outcome == NO_STEP or steps > _MOST_STEPS:
+            most = int(np.abs(column.strain).argmax())
             raise DivergedError(
-                f"stage {movement.name}: no solution {now * movement.duration:.6g} day after its beginning"
+                f"stage {movement.name}: no solution {now * movement.duration:.6g} day after its beginning, at "
+                f"vertical effective stress {column.stress[most, 1]:.4g} kPa and strain {column.strain[most]:.4g} "
+                "where it is strained most"
             )
     places, middles, ends = (np.concatenate([piece[i] for piece in pieces]) for i in range(3))
     return Path(movement.duration, places, middles, ends, 1)

@@ -15,7 +15,16 @@ from geoswarm.solver.element_test.step_control import AS_FOUND, DONE, NO_STEP
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
 
-__all__ = ["Leg", "Path", "PointState", "between", "follow_leg", "point_under", "share_of"]
+__all__ = [
+    "Leg",
+    "Path",
+    "PointState",
+    "between",
+    "follow_leg",
+    "point_in_words",
+    "point_under",
+    "share_of",
+]
 
 _MOST_STEPS: Final = 200_000
 _CHUNK: Final = 32
@@ -145,6 +154,12 @@ def between(first: FloatArray, middle: FloatArray, last: FloatArray, share: Floa
     return values
 
 
+def point_in_words(stress: FloatArray, strain: FloatArray) -> str:
+    """Normal stresses, kPa, and strains of a point, for messages; components x, y, z first."""
+    stresses, strains = (", ".join(f"{value:.4g}" for value in values[:3]) for values in (stress, strain))
+    return f"at normal stresses {stresses} kPa and strains {strains} (x, y, z)"
+
+
 def _elastic_guess(leg: Leg, change: FloatArray, soil: Soil, state: PointState) -> FloatArray:
     """Strain (n,) of a movement of the controls by ``change`` (n,), were the soil elastic.
 
@@ -160,9 +175,7 @@ def _elastic_guess(leg: Leg, change: FloatArray, soil: Soil, state: PointState) 
         return np.zeros(n)
 
 
-def follow_leg(
-    soil: Soil, leg: Leg, state: PointState, tolerance: float, *, dense: bool = True, offset: float = 0.0
-) -> Path:
+def follow_leg(soil: Soil, leg: Leg, state: PointState, tolerance: float, *, dense: bool = True) -> Path:
     """Follow a leg with error-controlled steps.
 
     Parameters
@@ -173,13 +186,12 @@ def follow_leg(
         Error admitted in strain; of stress over the bulk modulus, of state variables by their weights.
     dense
         Whether values between the ends of steps will be wanted.
-    offset
-        Time at which the leg begins, for messages, day.
 
     Raises
     ------
     DivergedError
-        No step was found, for instance because a load is above the strength; names the leg and the place in it.
+        No step was found, for instance because a load is above the strength; names the leg, the place in it, stress
+        and strain there.
     """
     law, constants, duration, n = soil.law, soil.constants, leg.duration, state.stress.size
     of_stress = leg.of_stress
@@ -228,10 +240,10 @@ def follow_leg(
         pieces.append((places[:count], middles[:count], ends[:count]))
         now = float(places[count - 1, 1]) if count else now
         if outcome == NO_STEP or (outcome != DONE and steps > _MOST_STEPS):
-            where = (
-                f"{offset + now * duration:.6g} day after its beginning" if duration else f"at {now:.2%} of its load"
+            where = f"{now * duration:.6g} day after its beginning" if duration else f"at {now:.2%} of its load"
+            raise DivergedError(
+                f"stage {leg.name}: no solution {where}, {point_in_words(stress, state.strain + strain)}"
             )
-            raise DivergedError(f"stage {leg.name}: no solution {where}")
     first = np.concatenate([state.stress, np.zeros(n), state.internal])[np.newaxis]
     places, middles = (np.concatenate([piece[i] for piece in pieces]) for i in (0, 1))
     ends = np.concatenate([first, *(piece[2] for piece in pieces)])

@@ -5,17 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
-from geoswarm.solver.element_test.legs import Leg, Path, PointState, follow_leg
+from geoswarm.solver.element_test.legs import Leg, Path, PointState, follow_leg, point_in_words
 from geoswarm.solver.element_test.trace import Sample, Trace
-from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laboratory.shear_stages import Axes, Drainage, ShearStage, shear_leg, value_led
 from geoswarm.solver.laws.base import Soil
 
 __all__ = ["Record", "Voids", "consolidated", "no_voids", "sheared"]
+
+_MOST_STRAIN: Final = 1.0
+"""Normal strain beyond which a specimen is none any more, as one of liquefied sand that goes on flowing."""
 
 
 @dataclass(frozen=True)
@@ -133,13 +137,13 @@ def consolidated(
     Raises
     ------
     DivergedError, InfeasibleError
-        A stage has no solution, or leaves no voids.
+        A stage has no solution, leaves no voids, or strains the specimen beyond 1.
     """
     state, rows = start, [np.empty((0, row_of(start).size))]
     for legs in stages:
         for leg in legs:
             path = follow_leg(soil, leg, state, tolerance, dense=False)
-            voids.check(leg.name, _volumes(path))
+            _check(path, leg.name, voids)
             state = path.end
         rows.append(row_of(state)[np.newaxis])
     return np.concatenate(rows), state
@@ -169,7 +173,7 @@ def sheared(
     Raises
     ------
     DivergedError, InfeasibleError
-        A stage has no solution, or leaves no voids.
+        A stage has no solution, leaves no voids, or strains the specimen beyond 1.
     """
     reference, pressure = state.strain, 0.0
     paths: list[Path] = []
@@ -181,7 +185,7 @@ def sheared(
             drainage = Drainage(stage.undrained, axes.kept[stage.path], water)
             leg = shear_leg(axes, stage, number, drainage, state, reference, base)
             path = follow_leg(soil, leg, state, tolerance, dense=dense)
-            voids.check(stage.name, _volumes(path))
+            _check(path, stage.name, voids)
             undrained.append(stage.undrained)
             pore.append(pressure)
             kept.append(drainage.kept)
@@ -206,8 +210,12 @@ def sheared(
     )
 
 
-def _volumes(path: Path) -> FloatArray:
-    """Volume strains at the ends of the steps of a path."""
+def _check(path: Path, name: str, voids: Voids) -> None:
+    """Refuse a path that leaves no voids, or deforms the specimen so far that it is none any more."""
     n = path.components
-    volumes: FloatArray = path.ends[:, n : n + 3].sum(axis=1)
-    return volumes
+    strains = path.ends[:, n : n + 3]
+    voids.check(name, strains.sum(axis=1))
+    beyond = np.flatnonzero(np.abs(strains).max(axis=1) > _MOST_STRAIN)
+    if beyond.size:
+        there = path.ends[beyond[0]]
+        raise DivergedError(f"stage {name}: strain beyond {_MOST_STRAIN:g}, {point_in_words(there, there[n:])}")

@@ -128,8 +128,15 @@ def test_stress_led_shearing_ends_at_its_stress() -> None:
 
 def test_a_strength_that_is_not_there_is_a_failed_evaluation() -> None:
     spec = triaxial("mohr_coulomb", [{"axial_strain": 0.001}, {"deviator_stress": 500.0}])
-    with pytest.raises(DivergedError, match="stage shearing 2: no solution"):
+    where = r"stage shearing 2: no solution .* at normal stresses 100, \d+\.?\d*, 100 kPa and strains .* \(x, y, z\)"
+    with pytest.raises(DivergedError, match=where):
         run(spec, MOHR_COULOMB, [1.0], "stage_q")
+
+
+def test_a_specimen_that_is_deformed_beyond_its_length_is_a_failed_evaluation() -> None:
+    spec = triaxial("elastic", [{"deviator_stress": 60.0}])
+    with pytest.raises(DivergedError, match=r"stage shearing 1: strain beyond 1, at normal stresses 100, 1[2-6].*"):
+        run(spec, {"E": 20.0, "nu": 0.25}, [1.0], "stage_q")
 
 
 @pytest.mark.usefixtures("other_laws")

@@ -1,4 +1,4 @@
-"""Sixteen problems of the NIST archive, read from its files; bounds are the second start values / 10 and x 10."""
+"""Sixteen problems of the NIST archive, read from its files; bounds are a start value over a factor and times it."""
 
 from __future__ import annotations
 
@@ -52,20 +52,27 @@ NAMES = tuple(_MODELS)
 
 @dataclass(frozen=True, slots=True)
 class ArchiveSet:
-    """One data set: second start values, certified values, standard deviations, each of shape (d,), and points."""
+    """One data set: both start values (2, d), certified values, standard deviations, each of shape (d,), and points."""
 
     name: str
-    start: FloatArray
+    starts: FloatArray
     certified: FloatArray
     deviations: FloatArray
     residual_sum_of_squares: float
     x: FloatArray
     y: FloatArray
 
-    def document(self, **changes: Any) -> dict[str, Any]:
-        """As a problem file. ENSO's b8 has another sign than its start: there, the bounds are widened to it."""
-        ends = np.sort(np.stack([self.start / 10.0, self.start * 10.0], axis=1), axis=1)
-        bounds = {f"b{i + 1}": {"lower": float(a), "upper": float(b)} for i, (a, b) in enumerate(ends)}
+    def document(self, start: int = 2, factor: float = 10.0, scale: str = "linear", **changes: Any) -> dict[str, Any]:
+        """As a problem file.
+
+        ``scale`` is that of parameters whose bounds are positive. ENSO's b8 has another sign than its start: there, the
+        bounds are widened to it.
+        """
+        values = self.starts[start - 1]
+        ends = np.sort(np.stack([values / factor, values * factor], axis=1), axis=1)
+        bounds: dict[str, dict[str, Any]] = {}
+        for i, (a, b) in enumerate(ends):
+            bounds[f"b{i + 1}"] = {"lower": float(a), "upper": float(b), "scale": scale if a > 0.0 else "linear"}
         if self.name == "ENSO":
             bounds["b8"]["upper"] = 3.0
         return {
@@ -100,4 +107,4 @@ def archive_set(name: str) -> ArchiveSet:
     (sum_of_squares,) = (line.split(":")[1] for line in lines if line.startswith("Residual Sum of Squares"))
     first = max(i for i, line in enumerate(lines) if line.startswith("Data:")) + 1
     points = np.array([line.split() for line in lines[first:] if line.strip()], dtype=np.float64)
-    return ArchiveSet(name, table[:, 1], table[:, 2], table[:, 3], float(sum_of_squares), points[:, 1], points[:, 0])
+    return ArchiveSet(name, table[:, :2].T, table[:, 2], table[:, 3], float(sum_of_squares), points[:, 1], points[:, 0])
