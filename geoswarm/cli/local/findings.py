@@ -88,6 +88,8 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
         if combination["open"]:
             parts = ", ".join(f"{parameter} {part:+.2f}" for parameter, part in combination["components"].items())
             reasons.append(f"left open by the data: {parts} (moves in parts of the search ranges)")
+    if linearisation["without_tests"] is not None:
+        _show_without_tests(linearisation["without_tests"])
     noise = linearisation["noise"]
     deviations = (
         "unknown" if noise is None else ", ".join(f"{s} {number(v, 3)}" for s, v in noise["deviations"].items())
@@ -120,6 +122,16 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
         note("Warning: it cannot be said whether this is a minimum, because no parameter has a standard error")
     elif not linearisation["at_optimum"]:
         note("Warning: this is not the minimum yet, so the intervals are wrong; polish it first (--polish)")
+
+
+def _show_without_tests(found: Mapping[str, Any]) -> None:
+    rows = []
+    for parameter, row in found["parameters"].items():
+        known = [value for value in row["values"].values() if value is not None]
+        span = (number(min(known)), number(max(known))) if known else ("-", "-")
+        rows.append((parameter, *span, *_ends(row["interval"]), row["pulls"] or "-"))
+    columns = ("leaving out a test", "least", "largest", *interval_heading(0.95, None), "pulled most by")
+    echo_table(None, columns, rows, right=(1, 2, 3, 4))
 
 
 def _show_profiles(profiles: list[dict[str, Any]], fit: Mapping[str, Any] | None) -> None:

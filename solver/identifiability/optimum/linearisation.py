@@ -10,15 +10,18 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.noise import Noise
 from geoswarm.solver.identifiability.optimum.combinations import Combination
+from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
 from geoswarm.solver.identifiability.residuals.dependence import ALLOWANCES, Dependence
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 
 __all__ = ["BENDS", "CORRECTED", "IntervalBasis", "LinearModel", "Linearisation"]
 
-IntervalBasis: TypeAlias = Literal["linearised", "correlated", "uneven", "possible", "stated", "moved", "profile"]
+IntervalBasis: TypeAlias = Literal[
+    "linearised", "correlated", "uneven", "possible", "stated", "tests", "moved", "profile"
+]
 """What an interval rests on: the usual covariance, or with an allowance for correlated residuals, such of uneven size,
-a correlation that so few readings cannot exclude, or one that the problem states; ends moved as one run at each shows;
-or the profile objective."""
+a correlation that so few readings cannot exclude, or one that the problem states; the scatter between tests; ends moved
+as one run at each shows; or the profile objective."""
 
 BENDS = 0.1
 """Part by which an end of an interval by likelihood differs from the linearised one where a model is nonlinear."""
@@ -32,6 +35,7 @@ _BASES: dict[IntervalBasis, str] = {
     "uneven": "widened for residuals of uneven size",
     "possible": "widened for a correlation that so few readings cannot exclude",
     "stated": "widened for correlated noise, as stated",
+    "tests": "widened for tests that differ",
     "moved": "by likelihood from one run at each end",
     "profile": "by likelihood",
 }
@@ -131,6 +135,8 @@ class Linearisation:
     to_rounding
         The readings are met to rounding and no error is stated. The standard errors are rounding errors then, so the
         distance from the minimum counts as 0 and nonlinearity within the intervals as none.
+    without
+        Where the minimum lies without each of the tests; None with fewer than three.
     """
 
     names: tuple[str, ...]
@@ -159,6 +165,7 @@ class Linearisation:
     bending: FloatArray
     dependence: tuple[Dependence, ...] = ()
     to_rounding: bool = False
+    without: WithoutTests | None = None
 
     @property
     def departures(self) -> tuple[Dependence, ...]:
@@ -229,18 +236,27 @@ class Linearisation:
         """How many times wider an allowance for dependence makes its interval by linearisation."""
         return float(self.widening[self.names.index(name)])
 
+    def between_tests(self, name: str) -> bool:
+        """Whether its interval by linearisation rests on the scatter between tests, whatever the model bends."""
+        index = self.names.index(name)
+        return self.without is not None and bool(
+            np.isclose(self.linear_half_widths[index], self.without.half_widths[index], rtol=1e-12, atol=0.0)
+        )
+
     def _allowance(self, name: str) -> str:
         """For what its interval is widened, in a few words; empty where it is not."""
         basis, factor = self.basis(name), self.widening_of(name)
         kinds = {basis, *(one.kind for one in self.dependence if factor > 1.0)}
-        kind = next((kind for kind in ALLOWANCES if kind in kinds), None)
+        kind: IntervalBasis | None = next((kind for kind in ALLOWANCES if kind in kinds), None)
+        if self.between_tests(name):
+            kind = "tests"
         return "" if kind is None else f"{_BASES[kind]} by a factor of {factor:.2g}"
 
     def basis_in_words(self, name: str) -> str:
         """What its interval rests on, in a few words; empty for linearisation where that is enough."""
         if self.bent(name):
             return "approximate: the model is nonlinear there"
-        how = "" if self.basis(name) in ALLOWANCES else _BASES[self.basis(name)]
+        how = "" if self.basis(name) in (*ALLOWANCES, "tests") else _BASES[self.basis(name)]
         return ", ".join(part for part in (how, self._allowance(name)) if part)
 
     def interval_in_words(self, name: str) -> str:
@@ -310,6 +326,7 @@ class Linearisation:
             "at_optimum": self.at_optimum,
             "held": dict(self.held),
             "fit": self.fit.to_json(),
+            "without_tests": None if self.without is None else self.without.to_json(),
             "dependence": [asdict(one) | {"sentence": one.sentence} for one in self.dependence],
         }
 

@@ -32,6 +32,7 @@ from geoswarm.solver.identifiability.optimum.differences import (
     design,
     differentiate,
 )
+from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests, leave_tests_out
 from geoswarm.solver.identifiability.optimum.linearisation import IntervalBasis, Linearisation, LinearModel
 from geoswarm.solver.identifiability.optimum.minimising import MinimisingStep, minimising_step
 from geoswarm.solver.identifiability.optimum.spread import Spread, mean_variance, reading_variances
@@ -39,10 +40,12 @@ from geoswarm.solver.identifiability.residuals.dependence import ALLOWANCES, Dep
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit
 from geoswarm.solver.identifiability.residuals.readings import is_exact, met_to_rounding
 from geoswarm.solver.objective import LEAST_SLOPE, PseudoReadings
+from geoswarm.solver.problem.weighting import test_of
 
 __all__ = ["design", "from_evaluations", "linearise"]
 
 _AT_BOUND = 1e-9
+_TESTS_DIFFER = ("lack_of_fit", "error_not_met", "doubtful")  # verdicts on the fit with which a test counts as one
 
 
 def from_evaluations(
@@ -123,7 +126,17 @@ def linearise(
     else:
         model = LinearModel(weighted, residuals, inverse, variances)
     dependence = _dependence(calibration, jacobian, residuals, weights, found, fit)
-    spread = Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence)
+    without = leave_tests_out(
+        calibration.free_names,
+        _tests(calibration, weights),
+        found.basis,
+        residuals,
+        inverse,
+        level,
+        lambda moves: _natural(calibration, jacobian.optimum, moves),
+    )
+    between = without.half_widths if without is not None and fit.kind in _TESTS_DIFFER else None
+    spread = Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence, between)
     if unclear:
         spread = spread.without_intervals()
     return _assemble(
@@ -140,7 +153,20 @@ def linearise(
         tuple(one for one, _ in dependence),
         model,
         stated is None and met_to_rounding([o for o in objective.observed if o.weight > 0], jacobian.responses),
+        without,
     )
+
+
+def _tests(calibration: Calibration, weights: FloatArray) -> dict[str, IntArray]:
+    """Places of the readings that count of each test, by its name."""
+    found: dict[str, list[IntArray]] = {}
+    start = 0
+    for o in calibration.objective.observed:
+        places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
+        start += o.y.size
+        if places.size:
+            found.setdefault(test_of(calibration.problem.forward_model, o.series), []).append(places)
+    return {test: np.concatenate(parts) for test, parts in found.items()}
 
 
 def _check_scales(pseudo: PseudoReadings) -> None:
@@ -212,12 +238,10 @@ def _assemble(
     dependence: tuple[Dependence, ...],
     model: LinearModel,
     to_rounding: bool,
+    without: WithoutTests | None,
 ) -> Linearisation:
     space = calibration.space
     span = space.search_upper - space.search_lower
-    centre = space.to_search(jacobian.optimum)
-    ends = np.column_stack([centre - spread.half * span, centre + spread.half * span])
-    log = space.log[:, None]
     return Linearisation(
         names=calibration.free_names,
         scales=tuple("log" if is_log else "linear" for is_log in space.log),
@@ -239,7 +263,7 @@ def _assemble(
         degrees_of_freedom=points - space.dimension,
         covariance=None if noise is None else spread.covariance * np.outer(span, span),
         standard_errors=spread.deviations * span * np.where(space.log, jacobian.optimum, 1.0),
-        intervals=np.where(log, np.exp(np.where(log, ends, 0.0)), ends),
+        intervals=_natural(calibration, jacobian.optimum, np.stack([-spread.half, spread.half])).T,
         unit_widths=2.0 * spread.half,
         level=level,
         derivative_error=found.derivative_error,
@@ -253,11 +277,22 @@ def _assemble(
         bending=np.full(space.dimension, np.nan),
         dependence=dependence,
         to_rounding=to_rounding,
+        without=without,
     )
+
+
+def _natural(calibration: Calibration, optimum: FloatArray, moves: FloatArray) -> FloatArray:
+    """Natural values of moves (k, d) from the optimum, parts of the range; beyond the bounds, too."""
+    space = calibration.space
+    places = space.to_search(optimum) + moves * (space.search_upper - space.search_lower)
+    return np.asarray(np.where(space.log, np.exp(np.where(space.log, places, 0.0)), places))
 
 
 def _bases(spread: Spread, dependence: tuple[Dependence, ...]) -> tuple[IntervalBasis, ...]:
     """What the interval of each parameter rests on: what was found goes before what is possible where both widen it."""
     kinds = {one.kind for one in dependence}
     wider: IntervalBasis = next((kind for kind in ALLOWANCES if kind in kinds), "uneven")
-    return tuple(wider if factor > 1.0 else "linearised" for factor in spread.widening.tolist())
+    return tuple(
+        "tests" if between else wider if factor > 1.0 else "linearised"
+        for factor, between in zip(spread.widening.tolist(), spread.between_tests.tolist(), strict=True)
+    )

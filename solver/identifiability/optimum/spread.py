@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import ndtri, stdtrit
 
-from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.noise import Noise
 from geoswarm.solver.identifiability.optimum.combinations import Directions
@@ -38,8 +38,8 @@ class Spread:
     """Spread of the estimates in parts of the range.
 
     Covariance (d, d), deviations and distance (d,) are those of independent noise; half widths of the intervals and the
-    rises of the profiles at their ends, (d,), allow for dependence, and ``widening``, (d,), says how many times wider
-    that makes them.
+    rises of the profiles at their ends, (d,), allow for dependence and for tests that differ. ``widening``, (d,), says
+    how many times wider that makes them, ``between_tests``, (d,), whether the tests decide.
     """
 
     covariance: FloatArray
@@ -48,6 +48,7 @@ class Spread:
     distance: FloatArray
     profile_increase: FloatArray
     widening: FloatArray
+    between_tests: BoolArray
 
     @classmethod
     def of(
@@ -61,13 +62,19 @@ class Spread:
         noise: Noise | None,
         level: float,
         dependence: list[tuple[Dependence, IntArray]],
+        between: FloatArray | None,
     ) -> Spread:
-        """Propagate the noise of the readings to the parameters; with unknown noise nothing is known."""
+        """Propagate the noise of the readings to the parameters; with unknown noise nothing is known.
+
+        ``between``: half widths of intervals between tests, (d,), nan where there is none.
+        """
         dimension = weighted.shape[1]
         nothing = np.full(dimension, np.nan)
         covariance = np.full((dimension, dimension), np.nan)
         if noise is None:
-            return cls(covariance, nothing, nothing, nothing, nothing, np.ones(dimension))
+            return cls(
+                covariance, nothing, nothing, nothing, nothing, np.ones(dimension), np.zeros(dimension, np.bool_)
+            )
         quantile = _quantile(level, noise)
         variances = reading_variances(calibration, weights, noise)
         # the pseudo-inverse over the determined directions is exact for parameters outside the open ones
@@ -82,6 +89,9 @@ class Spread:
                 inverse, np.sqrt(variances), residuals, found.basis, dependence, x, level, quantile
             )
             allowed = np.maximum(deviations, wider)
+        tests = np.full(dimension, np.nan) if between is None else between / quantile
+        between_tests = tests > allowed
+        allowed = np.where(between_tests, tests, allowed)
         half = quantile * allowed
         half = np.where(2.0 * half <= 1.0, half, np.nan)  # wider than the range: the data do not limit it
         widening = np.divide(allowed, deviations, out=np.ones_like(deviations), where=deviations > 0.0)
@@ -94,12 +104,18 @@ class Spread:
         distance = np.full_like(deviations, np.nan)
         distance[deviations == 0.0] = 0.0  # a perfect fit
         np.divide(np.abs(step.move), deviations, out=distance, where=deviations > 0.0)
-        return cls(covariance, deviations, half, distance, increase, widening)
+        return cls(covariance, deviations, half, distance, increase, widening, between_tests)
 
     def without_intervals(self) -> Spread:
         """The same, but for what the derivatives are too uncertain for."""
         nothing = np.full_like(self.deviations, np.nan)
-        return Spread(np.full_like(self.covariance, np.nan), nothing, nothing, self.distance, nothing, self.widening)
+        return replace(
+            self,
+            covariance=np.full_like(self.covariance, np.nan),
+            deviations=nothing,
+            half=nothing,
+            profile_increase=nothing,
+        )
 
 
 def _quantile(level: float, noise: Noise) -> float:

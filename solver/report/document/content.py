@@ -21,7 +21,7 @@ from geoswarm.solver.report.document.readings import gross_error_table, reading_
 from geoswarm.solver.report.document.residual_table import residual_table
 from geoswarm.solver.report.document.scope import not_modelled
 from geoswarm.solver.report.document.series_table import series_table
-from geoswarm.solver.report.document.uncertainty_tables import uncertainty_tables
+from geoswarm.solver.report.document.uncertainty_tables import left_out_table, uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
 from geoswarm.solver.report.record import BestFit, RunRecord, method_in_words
@@ -315,6 +315,8 @@ def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -
         )
         columns = ("singular value", "combination", "the data")
         tables.append(Table("Combinations of parameters at the optimum", columns, tuple(rows), (0,), note))
+        if linearisation.without is not None:
+            tables.append(left_out_table(linearisation.without, labels))
     if statistics.residuals:
         tables.append(residual_table(statistics))
     return tables

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
 from geoswarm.solver.identifiability.optimum.profiles import Profile
 from geoswarm.solver.identifiability.stored.global_sensitivity import GlobalSensitivity
 from geoswarm.solver.identifiability.stored.posterior import Posterior
@@ -14,7 +15,7 @@ from geoswarm.solver.report.figures.labels import ParameterLabel
 from geoswarm.solver.report.uncertainty import Uncertainty
 from geoswarm.solver.words import ends, number
 
-__all__ = ["uncertainty_tables"]
+__all__ = ["left_out_table", "uncertainty_tables"]
 
 
 def uncertainty_tables(problem: Problem, uncertainty: Uncertainty, labels: dict[str, ParameterLabel]) -> list[Table]:
@@ -85,3 +86,20 @@ def _index_table(found: GlobalSensitivity, labels: dict[str, ParameterLabel]) ->
     dropped = f", {found.dropped} dropped for failed evaluations" if found.dropped else ""
     note = f"{found.blocks} {blocks}{dropped}; ± half width of the 95 % interval."
     return Table(f"{method}: {output}", ("parameter", *names), tuple(rows), (1, 2), note)
+
+
+def left_out_table(without: WithoutTests, labels: dict[str, ParameterLabel]) -> Table:
+    """Parameters without each of the tests."""
+    rows = [
+        (f"without {test}", *(number(value, 4) if np.isfinite(value) else "–" for value in values))
+        for test, values in zip(without.tests, without.values.tolist(), strict=True)
+    ]
+    sure = [" … ".join(ends(*one)) if np.isfinite(one).all() else "–" for one in without.intervals]
+    rows.append(("95 % interval between tests", *sure))
+    rows.append(("pulled most by", *(without.pulling(name) or "–" for name in without.names)))
+    note = (
+        "By linearisation, without further runs. The interval takes each test as one piece of information (jackknife, "
+        "Student's t). A dash: one test alone determines the parameter."
+    )
+    columns = ("tests", *(labels[name].symbol for name in without.names))
+    return Table("Leaving out one test at a time", columns, tuple(rows), tuple(range(1, len(columns))), note)

@@ -7,8 +7,8 @@ import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
 import { ENDED, OPEN } from "../states.js";
 
-const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened for correlated residuals", uneven: " (widened for uneven residuals", possible: " (widened for a correlation that so few readings cannot exclude", stated: " (widened for correlated noise, as stated", moved: " (by likelihood from one run at each end)", profile: " (by likelihood)" };
-const widened = ({ bent, interval_basis: basis, widening }) => bent || !["correlated", "uneven", "possible", "stated"].includes(basis) ? "" : widening ? ` by a factor of ${number(widening, 2)})` : ")";
+const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened for correlated residuals", uneven: " (widened for uneven residuals", possible: " (widened for a correlation that so few readings cannot exclude", stated: " (widened for correlated noise, as stated", tests: " (widened for tests that differ", moved: " (by likelihood from one run at each end)", profile: " (by likelihood)" };
+const widened = ({ bent, interval_basis: basis, widening }) => bent || !["correlated", "uneven", "possible", "stated", "tests"].includes(basis) ? "" : widening ? ` by a factor of ${number(widening, 2)})` : ")";
 const AGAIN_SECONDS = 2;
 
 const KINDS = [
