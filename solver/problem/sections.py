@@ -42,7 +42,11 @@ class FreeSection(Section):
 
     lower: float = Field(description="lowest value, in the parameter's unit")
     upper: float = Field(description="highest value")
-    scale: Scale = Field("linear", description="log: the search runs over the logarithm; both bounds above 0")
+    scale: Scale = Field(
+        "linear",
+        description="log: the search runs over the logarithm; both bounds above 0. "
+        "Recommended for bounds more than a factor of 100 apart",
+    )
     initial: float | None = Field(None, description="estimate to start from; the first particle of the swarm")
     integer: bool = Field(False, description="accepts whole numbers only, as do its bounds")
 

@@ -65,19 +65,22 @@ class ArchiveSet:
     def document(self, start: int = 2, factor: float = 10.0, scale: str = "linear", **changes: Any) -> dict[str, Any]:
         """As a problem file.
 
-        ``scale`` is that of parameters whose bounds are positive. ENSO's b8 has another sign than its start: there, the
-        bounds are widened to it.
+        With the scale ``log``, parameters whose start value is negative enter the formula with the other sign.
+        ENSO's b8 has another sign than its start: its bounds are widened to it, and linear.
         """
-        values = self.starts[start - 1]
-        ends = np.sort(np.stack([values / factor, values * factor], axis=1), axis=1)
+        values, expression = self.starts[start - 1], _MODELS[self.name]
         bounds: dict[str, dict[str, Any]] = {}
-        for i, (a, b) in enumerate(ends):
-            bounds[f"b{i + 1}"] = {"lower": float(a), "upper": float(b), "scale": scale if a > 0.0 else "linear"}
+        for name, value in zip((f"b{i + 1}" for i in range(values.size)), values.tolist(), strict=True):
+            linear = scale == "linear" or (self.name, name) == ("ENSO", "b8")
+            if value < 0.0 and not linear:
+                expression, value = re.sub(rf"\b{name}\b", f"(-{name})", expression), -value
+            lower, upper = sorted((value / factor, value * factor))
+            bounds[name] = {"lower": lower, "upper": upper, "scale": "linear" if linear else scale}
         if self.name == "ENSO":
             bounds["b8"]["upper"] = 3.0
         return {
             "name": self.name,
-            "forward_model": {"kind": "formula", "series": {"y": _MODELS[self.name]}},
+            "forward_model": {"kind": "formula", "series": {"y": expression}},
             "parameters": bounds,
             "observations": [{"series": "y", "points": {"x": self.x.tolist(), "y": self.y.tolist()}}],
             "method": {"kind": "particle_swarm", "polish": True},
