@@ -22,6 +22,7 @@ __all__ = [
     "Misfit",
     "OptimumParameter",
     "OtherFit",
+    "ParameterWithoutTests",
     "Place",
     "Projection",
     "Proposal",
@@ -33,6 +34,7 @@ __all__ = [
     "Threshold",
     "Verdict",
     "WeightShare",
+    "WithoutTests",
 ]
 
 FitKind: TypeAlias = Literal["describes", "gross_error", "doubtful", "lack_of_fit", "error_not_met", "untested"]
@@ -236,11 +238,12 @@ class OptimumParameter:
     value: float
     standard_error: Number
     interval: tuple[float, float] | None
-    interval_basis: Literal["linearised", "correlated", "uneven", "possible", "stated", "moved", "profile"] | None = (
-        told(
-            "basis of the interval; correlated, uneven: wider for such residuals; possible: for a correlation that so "
-            "few readings cannot exclude; stated: for the problem's noise; moved: by one run at each end"
-        )
+    interval_basis: (
+        Literal["linearised", "correlated", "uneven", "possible", "stated", "tests", "moved", "profile"] | None
+    ) = told(
+        "basis of the interval; correlated, uneven: wider for such residuals; possible: for a correlation that so "
+        "few readings cannot exclude; stated: for the problem's noise; tests: for tests that differ; moved: by one "
+        "run at each end"
     )
     widening: Number = told("how many times wider correlated or uneven noise makes the interval by linearisation")
     bending: Number = told("relative distance of an end by likelihood from the linearised one; null if not checked")
@@ -280,6 +283,23 @@ class Dependence:
 
 
 @record(closed=True)
+class ParameterWithoutTests:
+    """One parameter without each of the tests, by linearisation."""
+
+    values: dict[str, float | None] = told("by the test left out; null where the others do not determine it")
+    interval: tuple[float, float] | None = told("95 %, each test as one piece of information (jackknife)")
+    pulls: str | None = told("the test without which it moves farthest")
+
+
+@record(closed=True)
+class WithoutTests:
+    """Leaving out one test at a time."""
+
+    tests: list[str]
+    parameters: dict[str, ParameterWithoutTests]
+
+
+@record(closed=True)
 class Linearisation:
     """Standard errors and intervals at the optimum."""
 
@@ -297,6 +317,7 @@ class Linearisation:
         "parameters at a bound beyond which the data pull: the minimum lies on it"
     )
     fit: FitVerdict = told("intervals hold only where the model describes the data")
+    without_tests: WithoutTests | None = told("the values without each test; null with fewer than three")
     dependence: list[Dependence]
 
 
