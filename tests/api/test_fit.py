@@ -45,6 +45,7 @@ def test_a_fit_has_the_units_of_the_user_and_rises_in_x(engine: Engine, job: str
     assert best["objective"] == engine.service.get(job).objective
     assert [share["share"] for share in best["shares"]] == [pytest.approx(1.0, abs=1e-12)]
     assert best["shares"][0]["root_mean_square"] >= 0.0
+    assert App(engine.service).get(f"{API}/jobs/{job}/diagrams").json() == {"items": []}  # a formula has none
     forms = {parameter["name"]: parameter["form"] for parameter in fit["parameters"]}
     assert forms == {"a": "free", "b": "free", "c": "fixed"}
     assert (fit["parameters"][0]["lower"], fit["parameters"][0]["initial"], fit["parameters"][2]["value"]) == (-5, 1, 2)

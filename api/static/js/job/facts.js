@@ -24,12 +24,8 @@ export function facts(view) {
 
   setInterval(() => { if (!document.hidden && !ENDED.has(view.job.state)) clock(); }, 1000);
   return {
-    job({ state, retrying, stop_reasons: reasons }) {
+    job({ stop_reasons: reasons }) {
       read = performance.now();
-      const badge = document.querySelector("h1 .state");
-      badge.className = `state ${state}`;
-      badge.textContent = retrying ? `${state} (failed evaluations again)` : state;
-      document.querySelector("main").dataset.state = state;
       set("stopped", reasons.map(plain).join(", ") || "–");
       show();
       clock();

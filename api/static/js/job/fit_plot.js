@@ -22,7 +22,7 @@ export function stagesOf({ x, breaks }) {
 }
 
 /** A curve with a gap between stages. */
-function broken(places, stage, values) {
+export function broken(places, stage, values) {
   const x = [], y = [];
   places.forEach((at, i) => {
     if (at === null) return;
