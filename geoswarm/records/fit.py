@@ -25,8 +25,10 @@ class FitParameter:
     upper: float | None
     scale: Literal["linear", "log"] | None
     initial: float | None
-    typical_lower: float | None = told("ends of the usual range of the quantity; null where none is known")
-    typical_upper: float | None
+    typical_lower: float | None = told(
+        "ends of the usual range of the quantity; null where none is known", default=None
+    )
+    typical_upper: float | None = None
 
 
 @record(eq=False)
