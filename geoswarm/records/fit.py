@@ -46,6 +46,7 @@ class FitSeries:
     breaks: Measured = told("x at which a load is applied")
     gross_x: Measured = told("of readings marked as gross errors, which are in no misfit")
     gross_measured: Measured
+    x_names: list[str] = told("what x = 1, 2, ... is called; empty where x is a quantity", default_factory=list)
 
 
 @record(eq=False)

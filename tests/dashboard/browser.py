@@ -90,7 +90,9 @@ def guarded_context(browser: Browser, origin: str, **options: Any) -> Iterator[t
 
 
 def check_accessibility(page: Page, place: str = "html") -> None:
-    """No serious or critical finding of axe-core, and landmarks told apart; what it finds in order is not gathered, which takes half its time.
+    """No serious or critical finding of axe-core, and landmarks told apart.
+
+    What it finds in order is not gathered, which takes half its time.
 
     Where the rest of a page is examined by another test, ``place`` selects what is new; it is waited for.
     """

@@ -159,6 +159,7 @@ def _series(problem: Problem, orders: Mapping[str, npt.NDArray[np.intp]]) -> lis
                 breaks=convert(breaks, info.x_unit, x_unit),
                 gross_x=convert(observation.gross_x, info.x_unit, x_unit),
                 gross_measured=convert(observation.gross_y, info.y_unit, y_unit),
+                x_names=list(info.x_names),
             )
         )
     return listed

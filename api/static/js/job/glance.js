@@ -25,7 +25,7 @@ function ofSeries(fit, one) {
     gross: stages.long ? null : { x: one.gross_x, y: one.gross_measured },
     down: "autorange" in direction(one.series, one.y_quantity), log: false,
     across: stages.long ? "stage, each over log time" : withUnit(one.x_quantity, one.x_unit), up: plain(one.series).includes(one.y_quantity) ? withUnit("", one.y_unit).trim() : withUnit(one.y_quantity, one.y_unit),
-    marks: stages.long ? stages.starts.map((_, i) => [i + 0.45, String(i + 1)]) : null,
+    marks: stages.long ? stages.starts.map((_, i) => [i + 0.45, String(i + 1)]) : one.x_names.length ? one.x_names.map((name, i) => [i + 1, name]) : null,
   };
 }
 
