@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import API, App, line_problem, wait_for_end
 
@@ -58,6 +59,21 @@ def test_gross_errors_are_told_beside_the_measured_points(engine: Engine) -> Non
     (series,) = App(engine.service).get(f"{API}/jobs/{view.id}/fit").json()["series"]
     assert series["x"] == [0, 120]
     assert (series["gross_x"], series["gross_measured"]) == ([60], pytest.approx([300], rel=1e-12))
+
+
+def test_a_laboratory_test_has_its_compression_curve(engine: Engine) -> None:
+    with example_file("oedometer") as path:
+        document = load_problem(path).document() | {"method": {"kind": "monte_carlo", "samples": 1}, "stopping": {}}
+    view, _ = engine.service.submit(parse_problem(document))
+    wait_for_end(engine.service, view.id)
+    app = App(engine.service)
+    (curve,) = app.get(f"{API}/jobs/{view.id}/diagrams").json()["items"]
+    assert (curve["name"], curve["test"], curve["log"], curve["downwards"]) == ("compression", "", True, True)
+    assert (curve["x_quantity"], curve["y_unit"]) == ("vertical effective stress σ′v", "%")
+    assert curve["x"][:3] == [0.2, 9, 13]
+    assert len(curve["measured_x"]) == len(curve["measured_y"]) == 16
+    lambda_star = app.get(f"{API}/jobs/{view.id}/fit").json()["parameters"][0]
+    assert lambda_star["lower"] < lambda_star["typical_lower"] < lambda_star["typical_upper"]
 
 
 def test_one_evaluation_is_shown_by_its_place(engine: Engine, job: str) -> None:

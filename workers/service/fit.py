@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -14,13 +14,14 @@ from geoswarm.records.fit import Fit, FitCurve, FitDiagram, FitDiagrams, FitPara
 from geoswarm.records.statistics import SeriesShare
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
 from geoswarm.solver.problem.weighting import series_shares
-from geoswarm.solver.report.compression import CompressionCurve, compression_curves
 from geoswarm.solver.report.curves import load_times, objective_unit
-from geoswarm.solver.report.diagrams import DiagramCurve, diagram_curves
-from geoswarm.solver.report.figures.compression_plot import axes_of_compression
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.units import convert
 from geoswarm.workers.service.job_service import JobService
+
+if TYPE_CHECKING:
+    from geoswarm.solver.report.compression import CompressionCurve
+    from geoswarm.solver.report.diagrams import DiagramCurve
 
 __all__ = ["diagrams_of", "fit_of"]
 
@@ -66,6 +67,9 @@ def diagrams_of(service: JobService, job_id: str) -> FitDiagrams:
     ------
     JobNotFoundError
     """
+    from geoswarm.solver.report.compression import compression_curves  # with Numba and SciPy
+    from geoswarm.solver.report.diagrams import diagram_curves
+
     problem = parse_problem(service.problem(job_id))
     best = service.best(job_id)
     if best is None:
@@ -76,6 +80,8 @@ def diagrams_of(service: JobService, job_id: str) -> FitDiagrams:
 
 
 def _compression(curve: CompressionCurve) -> FitDiagram:
+    from geoswarm.solver.report.figures.compression_plot import axes_of_compression
+
     (x_quantity, x_unit), (y_quantity, y_unit) = axes_of_compression(curve)
     return FitDiagram(
         name=f"compression.{curve.part}" if curve.part else "compression",
