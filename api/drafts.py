@@ -14,6 +14,7 @@ from geoswarm.solver.plausibility import impossible, to_be_accepted
 from geoswarm.solver.problem import Draft, Problem, load_problem
 from geoswarm.solver.problem.draft import located
 from geoswarm.solver.problem.weighting import weight_shares
+from geoswarm.solver.runs.check import warnings_of
 from geoswarm.solver.sketches.svg import svg_element
 from geoswarm.solver.units import convert
 
@@ -31,6 +32,7 @@ def describe_draft(draft: Draft) -> ProblemDraft:
         document=draft.document,
         yaml=draft.yaml,
         issues=[DraftIssue.model_validate(issue) for issue in issues],
+        warnings=[] if problem is None else list(warnings_of(problem)),
         parameters=None if model is None else [Parameter.model_validate(one) for one in model.parameters[:MAX_LISTED]],
         series=None if model is None else [Series.model_validate(one) for one in model.series[:MAX_LISTED]],
         open_parameters=model is not None and model.open_parameters,

@@ -56,7 +56,7 @@ def main() -> None:
         client.wait(client.sensitivity(calibrated).id)
         cloud = client.wait(client.submit(sampled).id).id
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        take(page, f"{server.url}/jobs/{calibrated}", "job", ".main-svg")
+        take(page, f"{server.url}/jobs/{calibrated}", "job", "#fit figure:nth-of-type(2)")
         take(page, f"{server.url}/jobs/{cloud}/statistics", "statistics", "canvas")
         take(page, f"{server.url}/new?from={calibrated}", "new", ".main-svg")
 

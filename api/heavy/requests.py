@@ -11,7 +11,7 @@ __all__ = ["is_heavy", "job_of"]
 _ALWAYS = re.compile(
     r"/api/v1/(?:"
     r"problems/(?:check|warm-starts|read)|measurements(?:/(?:points|ags(?:/problem)?))?|forward-models(?:/[^/]+)?"
-    r"|jobs/[^/]+/(?:fit|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
+    r"|jobs/[^/]+/(?:fit|diagrams|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
     r"|explore|predict|design|follow-ups|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
     r")"
 )

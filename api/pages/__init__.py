@@ -26,8 +26,10 @@ MENU = (
 
 JOB_TABS = (
     ("job", "Result", ""),
-    ("statistics", "Statistics", "/statistics"),
+    ("fit", "Fit", "/fit"),
+    ("statistics", "Trust", "/statistics"),
     ("search", "Search", "/search"),
+    ("data", "Data", "/data"),
     ("mesh", "Slope and mesh", "/mesh"),
 )
 """Pages of a job: view, words, address below that of the job. The mesh is for jobs that have one."""

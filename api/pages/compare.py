@@ -8,7 +8,9 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 
 from geoswarm.api.dependencies import Service
+from geoswarm.api.pages.jobs import BADGES
 from geoswarm.api.pages.shell import render
+from geoswarm.solver.words import FITS
 
 __all__ = ["router"]
 
@@ -25,4 +27,4 @@ def compare_page(
 ) -> HTMLResponse:
     """Show jobs side by side; jobs that are not there answer as on their own page."""
     jobs = [service.get(job_id) for job_id in dict.fromkeys(job or [])]
-    return render(request, "compare", plots=True, jobs=jobs)
+    return render(request, "compare", plots=True, jobs=jobs, fits=FITS, badges=BADGES)

@@ -16,7 +16,7 @@ from geoswarm.records.states import ENDED_STATES, JOB_STATES, OPEN_STATES
 from geoswarm.solver.words import FITS, ends, interval_digits, verdict_in_words
 from geoswarm.workers.queries.job_list import JobFilters, SortKey
 
-__all__ = ["router"]
+__all__ = ["BADGES", "router"]
 
 router = APIRouter()
 

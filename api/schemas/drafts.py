@@ -72,6 +72,7 @@ class ProblemDraft(BaseModel):
     document: dict[str, Any] | None = Field(description="the problem as given; null when the text cannot be read")
     yaml: str | None = Field(description="the problem as YAML; null when it is too long to be edited as text")
     issues: list[DraftIssue]
+    warnings: list[str] = Field(description="as a check gives them: what is possible, but seldom meant")
     parameters: list[Parameter] | None = Field(description="of the forward model; null while its section has mistakes")
     series: list[Series] | None
     open_parameters: bool = Field(description="the problem may name parameters of its own (a formula)")

@@ -8,7 +8,7 @@ from geoswarm.records.arrays import Floats, Measured
 from geoswarm.records.record import Number, record, told
 from geoswarm.records.statistics import SeriesShare
 
-__all__ = ["Fit", "FitCurve", "FitParameter", "FitSeries"]
+__all__ = ["Fit", "FitCurve", "FitDiagram", "FitDiagrams", "FitParameter", "FitSeries"]
 
 
 @record
@@ -25,6 +25,10 @@ class FitParameter:
     upper: float | None
     scale: Literal["linear", "log"] | None
     initial: float | None
+    typical_lower: float | None = told(
+        "ends of the usual range of the quantity; null where none is known", default=None
+    )
+    typical_upper: float | None = None
 
 
 @record(eq=False)
@@ -42,6 +46,7 @@ class FitSeries:
     breaks: Measured = told("x at which a load is applied")
     gross_x: Measured = told("of readings marked as gross errors, which are in no misfit")
     gross_measured: Measured
+    x_names: list[str] = told("what x = 1, 2, ... is called; empty where x is a quantity", default_factory=list)
 
 
 @record(eq=False)
@@ -65,3 +70,29 @@ class Fit:
     parameters: list[FitParameter]
     series: list[FitSeries]
     curves: list[FitCurve]
+
+
+@record(eq=False)
+class FitDiagram:
+    """A diagram that engineers draw of a test: one quantity over another, measured and of the best evaluation."""
+
+    name: str = told("as the figure of the report is called")
+    heading: str
+    test: str = told("name of the test in a combined model; empty otherwise")
+    x_quantity: str
+    y_quantity: str
+    x_unit: str
+    y_unit: str
+    log: bool = told("x is logarithmic")
+    downwards: bool = told("y grows downwards")
+    x: Floats = told("of the calculated line; null between pieces that are not joined")
+    y: Floats
+    measured_x: Measured
+    measured_y: Measured
+
+
+@record
+class FitDiagrams:
+    """Diagrams of the tests of a job."""
+
+    items: list[FitDiagram]

@@ -71,7 +71,8 @@ class SeriesInfo:
     """One named output of a forward model: ``y`` over ``x``, both in base units (kN, m, day, degree).
 
     ``x_lower`` and ``x_upper`` bound the points at which it can be evaluated; ``x_integer``: only at whole numbers
-    (stage numbers). ``x_increasing``: its observed points must be strictly increasing in x.
+    (stage numbers). ``x_increasing``: its observed points must be strictly increasing in x. ``x_names``: what
+    1, 2, ... are called, where x only counts.
 
     Examples
     --------
@@ -91,6 +92,7 @@ class SeriesInfo:
     x_upper: float | None = None
     x_integer: bool = False
     x_increasing: bool = True
+    x_names: tuple[str, ...] = ()
 
     def require(self, x: FloatArray) -> None:
         """Refuse points (m,) at which it cannot be evaluated.

@@ -20,7 +20,7 @@ from geoswarm.solver.problem.weighting import WeightShare, weight_shares
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunLog
 
-__all__ = ["CheckReport", "TestRunReport", "check_problem"]
+__all__ = ["CheckReport", "TestRunReport", "check_problem", "warnings_of"]
 
 _LOOKED_AT = 140
 """Runs that a search which learns looks at."""
@@ -108,6 +108,11 @@ class CheckReport:
     shares: tuple[WeightShare, ...] = ()
 
 
+def warnings_of(problem: Problem) -> tuple[str, ...]:
+    """Return what is possible, but seldom meant, in sentences; nothing runs."""
+    return (*implausible(problem), *(found.sentence for found in find_consolidation(problem)))
+
+
 def check_problem(
     problem: Problem, evaluate: Callable[[Calibration, FloatArray], Evaluation] = Calibration.evaluate
 ) -> CheckReport:
@@ -149,7 +154,7 @@ def check_problem(
         forward_model=problem.forward_model.kind,
         method=problem.method.kind,
         free_parameters=problem.free_names,
-        warnings=(*implausible(problem), *(found.sentence for found in find_consolidation(problem))),
+        warnings=warnings_of(problem),
         notes={o.series: o.notes for o in problem.observations if o.notes},
         assumptions=problem.forward_model.assumptions,
         shares=weight_shares(problem),

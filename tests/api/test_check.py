@@ -60,6 +60,7 @@ def test_what_is_probably_not_meant_is_told(app: App) -> None:
         observations=[{"series": "settlement", "points": {"x": [0.1, 1.0], "y": [-0.5, -0.7]}}],
     )  # fmt: skip
     told = app.post(f"{API}/problems/check", json=document).json()["warnings"]
+    assert app.post(f"{API}/problems/read", json=document).json()["warnings"] == told
     assert [one.partition(" =")[0] for one in told[:2]] == [
         "forward_model.height",
         "forward_model.stages[].duration",

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import API, App, line_problem, wait_for_end
 
@@ -45,6 +46,7 @@ def test_a_fit_has_the_units_of_the_user_and_rises_in_x(engine: Engine, job: str
     assert best["objective"] == engine.service.get(job).objective
     assert [share["share"] for share in best["shares"]] == [pytest.approx(1.0, abs=1e-12)]
     assert best["shares"][0]["root_mean_square"] >= 0.0
+    assert App(engine.service).get(f"{API}/jobs/{job}/diagrams").json() == {"items": []}  # a formula has none
     forms = {parameter["name"]: parameter["form"] for parameter in fit["parameters"]}
     assert forms == {"a": "free", "b": "free", "c": "fixed"}
     assert (fit["parameters"][0]["lower"], fit["parameters"][0]["initial"], fit["parameters"][2]["value"]) == (-5, 1, 2)
@@ -57,6 +59,21 @@ def test_gross_errors_are_told_beside_the_measured_points(engine: Engine) -> Non
     (series,) = App(engine.service).get(f"{API}/jobs/{view.id}/fit").json()["series"]
     assert series["x"] == [0, 120]
     assert (series["gross_x"], series["gross_measured"]) == ([60], pytest.approx([300], rel=1e-12))
+
+
+def test_a_laboratory_test_has_its_compression_curve(engine: Engine) -> None:
+    with example_file("oedometer") as path:
+        document = load_problem(path).document() | {"method": {"kind": "monte_carlo", "samples": 1}, "stopping": {}}
+    view, _ = engine.service.submit(parse_problem(document))
+    wait_for_end(engine.service, view.id)
+    app = App(engine.service)
+    (curve,) = app.get(f"{API}/jobs/{view.id}/diagrams").json()["items"]
+    assert (curve["name"], curve["test"], curve["log"], curve["downwards"]) == ("compression", "", True, True)
+    assert (curve["x_quantity"], curve["y_unit"]) == ("vertical effective stress σ′v", "%")
+    assert curve["x"][:3] == [0.2, 9, 13]
+    assert len(curve["measured_x"]) == len(curve["measured_y"]) == 16
+    lambda_star = app.get(f"{API}/jobs/{view.id}/fit").json()["parameters"][0]
+    assert lambda_star["lower"] < lambda_star["typical_lower"] < lambda_star["typical_upper"]
 
 
 def test_one_evaluation_is_shown_by_its_place(engine: Engine, job: str) -> None:

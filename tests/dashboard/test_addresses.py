@@ -62,9 +62,13 @@ def test_an_evaluation_has_an_address(embedded: Site, visit: Visit, job: str) ->
 
 
 def test_a_problem_is_copied_and_a_plot_is_saved(embedded: Site, visit: Visit, job: str) -> None:
-    page, _ = visit(embedded, f"/jobs/{job}", permissions=["clipboard-read", "clipboard-write"])
+    page, _ = visit(embedded, f"/jobs/{job}/data", permissions=["clipboard-read", "clipboard-write"])
     # before it is there, what stands below it moves, and a button may be elsewhere when the pointer is let go
-    expect(page.locator("#fit .main-svg").first).to_be_visible(timeout=SOON)
+    expect(page.locator("#figures").get_by_role("link", name="convergence as PNG")).to_be_visible(timeout=SOON)
+    expect(page.locator("#problem pre")).to_contain_text("expression: a + b * x + 0 * d")
+    page.get_by_text("y: 4 readings, weight 1").click()
+    expect(page.get_by_role("region", name="Readings of y").locator("tbody tr")).to_have_count(4)
+    check_accessibility(page)
     texts = {}
     for name in ("YAML", "Python", "Command line", "curl"):
         page.get_by_role("button", name=name, exact=True).click()
@@ -75,6 +79,14 @@ def test_a_problem_is_copied_and_a_plot_is_saved(embedded: Site, visit: Visit, j
     compile(texts["Python"], "copied", "exec")
     assert "geoswarm submit problem.json" in texts["Command line"]
     assert f"{embedded.url}/api/v1/jobs" in texts["curl"]
+    page.goto(f"/jobs/{job}")
+    forms = {"YAML values": "a: ", "CSV values": "parameter,unit,value", "PLAXIS table": "Parameter\tValue\tUnit\n"}
+    for name, start in forms.items():
+        page.get_by_role("button", name=name, exact=True).click()
+        expect(page.locator("#status")).to_have_text(f"Copied as {name}.")
+        assert page.evaluate("navigator.clipboard.readText()").startswith(start)
+    page.goto(f"/jobs/{job}/fit")
+    expect(page.locator("#fit .main-svg").first).to_be_visible(timeout=SOON)
     starts = {"SVG": b"<svg", "PNG": b"\x89PNG", "CSV": b'"x'}
     for form, start in starts.items():
         with page.expect_download() as download:

@@ -50,7 +50,7 @@ def test_the_answer_in_words_agrees_with_the_statistics(embedded: Site, visit: V
     expect(page.locator("#live")).to_be_hidden()
     expect(page.get_by_role("link", name="Slope and mesh")).to_have_count(0)
     # the answer, the parameters, the fit and the next step are seen without scrolling
-    for place in ("#answer", "#parameters", "#next", "#fit .main-svg"):
+    for place in ("#answer", "#parameters", "#next", "#fit .multiples svg"):
         page.locator(place).first.wait_for()
         box = page.locator(place).first.bounding_box()
         assert box is not None

@@ -62,6 +62,7 @@ def test_values_stand_with_intervals_verdicts_and_bounds(embedded: Site, visit: 
     for job_id in made:
         wait_for_end(embedded.service, job_id)
     page, _ = visit(embedded, "/compare?" + "&".join(f"job={job_id}" for job_id in made))
+    expect(page.locator(".chosen .badge")).to_have_count(2)
     cells = page.locator("#parameters tbody tr").first.locator("td.n")
     expect(cells.nth(0)).to_contain_text(" … ")
     expect(cells.nth(0)).to_contain_text("identified")

@@ -115,9 +115,16 @@ def test_jobs(
     embedded: Site, visit: Visit, look: str, check_view: CheckView, calibrated: list[str], running: str
 ) -> None:
     page, _ = visit(embedded, f"/jobs/{calibrated[0]}", **LOOKS[look])
-    expect(page.locator("#fit .main-svg").first).to_be_visible()
+    expect(page.locator("#fit .multiples svg").nth(1)).to_be_visible()
     expect(page.locator("#answer")).to_contain_text("root mean square", timeout=SOON)
     check_view(page, "job-finished")
+    page.goto(f"/jobs/{calibrated[0]}/fit")
+    expect(page.locator("#fit .main-svg").first).to_be_visible()
+    expect(page.locator("#diagrams h3")).to_have_text("Compression curve")
+    check_view(page, "job-fit")
+    page.goto(f"/jobs/{calibrated[0]}/data")
+    expect(page.locator("#figures a").first).to_be_visible()
+    check_view(page, "job-data")
     page.goto(f"/jobs/{calibrated[0]}/search")
     expect(page.locator("#convergence .main-svg").first).to_be_visible()
     check_view(page, "job-search")

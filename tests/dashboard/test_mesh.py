@@ -52,6 +52,10 @@ def test_contours_deformation_and_vectors_are_shown(embedded: Site, visit: Visit
     assert 0x46327E in after  # the lowest band
     assert 0xA2DA37 in after  # the highest
     assert 0x46327E not in before
+    page.get_by_label("Deformation scale as a number").fill("1e9")
+    page.keyboard.press("Enter")
+    expect(page.locator("#controls")).to_contain_text("beyond, triangles turn inside out")
+    assert 0 < float(page.get_by_label("Deformation scale as a number").input_value()) < 1e9
     page.get_by_label("Deformation scale as a number").fill("0")
     page.keyboard.press("Enter")
     expect(canvas).not_to_have_attribute("aria-label", re.compile("deformed"))

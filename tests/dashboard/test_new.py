@@ -217,7 +217,7 @@ def test_mistakes_appear_where_they_are_while_one_types(embedded: Site, visit: V
     constraint.fill("lambda_star > kappa_star")
     expect(page.locator('[data-error="constraints[0]"]')).to_be_empty()
     stress = page.locator('[data-path="forward_model.stages[2].stress"]')
-    stress.fill("2.5 bar")
+    stress.fill("2.5 mm")
     expect(page.locator('[data-error="forward_model.stages[2].stress"]')).to_contain_text("must be a number")
     expect(page.get_by_label("Unit of settlement")).to_have_value("mm")  # what is known of the test stays
     stress.fill("25")

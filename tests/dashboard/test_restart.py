@@ -64,7 +64,7 @@ def test_a_page_outlives_a_killed_service(commands: dict[str, tuple[str, ...]], 
     ):
         wait_for(lambda: ready(client), "a service that is ready")
         job = client.submit(JOB)
-        page, guard = visit(site, f"/jobs/{job.id}", key=key)
+        page, guard = visit(site, f"/jobs/{job.id}/search", key=key)
         guard.allow("ERR_CONNECTION_REFUSED", "ERR_CONNECTION_RESET", "ERR_INCOMPLETE_CHUNKED", "ERR_EMPTY_RESPONSE")
         state(page).to_have_text("running", timeout=SOON)
         goes_on(page)

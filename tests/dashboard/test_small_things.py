@@ -73,13 +73,13 @@ def test_a_lost_connection_hides_no_message(embedded: Site, visit: Visit) -> Non
 
 
 def test_a_report_is_made_with_a_word_on_it(embedded: Site, visit: Visit, job: str) -> None:
-    page, _ = visit(embedded, f"/jobs/{job}")
+    page, _ = visit(embedded, f"/jobs/{job}/data")
     assert page.get_by_role("link", name="Report (page)").get_attribute("target") == "_blank"
     with page.expect_download(timeout=SOON) as download:
         page.get_by_role("link", name="Report (PDF)").click()
         expect(page.locator("#status")).to_contain_text("The report is")
     assert download.value.suggested_filename == f"report-{job}.pdf"
-    assert page.url.endswith(f"/jobs/{job}")
+    assert page.url.endswith(f"/jobs/{job}/data")
 
 
 def test_print_leaves_out_what_only_a_screen_can_use(embedded: Site, visit: Visit, job: str) -> None:
@@ -93,7 +93,7 @@ def test_print_leaves_out_what_only_a_screen_can_use(embedded: Site, visit: Visi
 
 
 def test_a_toolbar_does_not_lie_upon_the_legend_of_a_phone(embedded: Site, visit: Visit, job: str) -> None:
-    page, _ = visit(embedded, f"/jobs/{job}", viewport={"width": 390, "height": 844})
+    page, _ = visit(embedded, f"/jobs/{job}/fit", viewport={"width": 390, "height": 844})
     expect(page.locator("#fit .main-svg").first).to_be_visible(timeout=SOON)
     expect(page.locator("#fit .modebar-btn")).to_have_count(0)
 
@@ -106,6 +106,18 @@ def test_numbers_outside_the_usual_range_are_marked(embedded: Site, visit: Visit
     expect(warning).to_be_hidden()
     height.fill("20")
     expect(warning).to_contain_text("Outside the usual range, 0.01 to 0.05 m")
+    height.fill("20 mm")
+    expect(warning).to_be_hidden()
+    expect(page.locator("#yaml")).to_have_value(re.compile(r"height: 0\.02\n"))
+    height.blur()
+    expect(height).to_have_value("0.02")
+    height.fill("20 kPa")
+    expect(warning).to_contain_text("20 kPa cannot be given in m")
+    expect(page.locator("#verdict")).not_to_contain_text("Complete")
+    expect(page.locator("#start-now")).to_be_hidden()
+    height.fill("2 cm")
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    expect(page.locator("#start-now")).to_be_visible()
     bounds = page.locator("[data-bounds=lambda_star]")
     page.locator("[data-path='parameters.lambda_star.lower']").fill("0.02")
     page.locator("[data-path='parameters.lambda_star.upper']").fill("0.1")
@@ -123,7 +135,7 @@ def test_units_are_switched_and_remembered(embedded: Site, visit: Visit, job: st
     expect(page.locator("#answer")).to_contain_text(" m (root mean square)")
     after = float(re.findall(r"leaves ([\d.]+) m ", page.locator("#answer").inner_text())[0])
     assert after == pytest.approx(before / 1000, rel=0.01)
-    expect(page.locator("#fit .ytitle")).to_contain_text("[m]")
+    expect(page.locator("#fit .multiples")).to_contain_text("[m]")
     page.reload()
     expect(page.locator("#answer")).to_contain_text(" m (root mean square)", timeout=SOON)
     expect(page.get_by_label("Lengths")).to_have_value("m")

@@ -28,7 +28,7 @@ def five_parameters() -> dict[str, Any]:
 def follow(page: Page, job: str) -> str:
     """Fix phi and mu*, start, return the new job; the PDF of the first one is downloaded on the way."""
     page.goto(f"/jobs/{job}")
-    page.get_by_role("link", name="Statistics").first.click()
+    page.get_by_role("link", name="Trust").first.click()
     expect(page.locator("#verdicts .card")).to_have_count(5)
     with page.expect_download(timeout=60_000) as download:
         page.get_by_role("link", name="Report (PDF)").click()

@@ -49,7 +49,7 @@ def goes_on(page: Page) -> None:
 
 
 def test_compiling_is_told(embedded: Site, visit: Visit, job: str) -> None:
-    page, _ = visit(embedded, f"/jobs/{job}")
+    page, _ = visit(embedded, f"/jobs/{job}/search")
     goes_on(page)
     runtime = Runtime(embedded.service.store, Settings())
     runtime.tell_kernels(job, None)
@@ -63,11 +63,11 @@ def test_compiling_is_told(embedded: Site, visit: Visit, job: str) -> None:
 def test_tabs_share_one_stream_and_hand_it_on(embedded: Site, visit: Visit, job: str) -> None:
     first, _ = visit(embedded, "/")
     opened = streams(first.context)
-    first.goto(f"/jobs/{job}")
+    first.goto(f"/jobs/{job}/search")
     goes_on(first)
     others = [first.context.new_page() for _ in range(2)]
     for page in others:
-        page.goto(f"/jobs/{job}")
+        page.goto(f"/jobs/{job}/search")
     for page in (first, *others):
         goes_on(page)
     asked_again = len(opened)
@@ -90,7 +90,7 @@ def test_tabs_share_one_stream_and_hand_it_on(embedded: Site, visit: Visit, job:
 
 @pytest.mark.slow
 def test_a_reload_and_a_restart_of_the_service_lose_nothing(embedded: Site, visit: Visit, job: str) -> None:
-    page, guard = visit(embedded, f"/jobs/{job}")
+    page, guard = visit(embedded, f"/jobs/{job}/search")
     guard.allow("ERR_CONNECTION_REFUSED", "ERR_CONNECTION_RESET", "ERR_INCOMPLETE_CHUNKED", "ERR_EMPTY_RESPONSE")
     goes_on(page)
     page.reload()
@@ -113,6 +113,8 @@ def test_an_ended_job_that_goes_on_is_noticed(embedded: Site, visit: Visit) -> N
     page.get_by_role("button", name="Continue").click()
     page.get_by_label("Largest number of evaluations").fill("90")
     page.get_by_role("dialog").get_by_role("button", name="Continue").click()
+    expect(page.get_by_role("dialog")).to_have_count(0)
+    page.get_by_role("link", name="Search").click()
     expect(page.locator("[data-field=evaluations]")).to_have_text("90 / 90", timeout=SOON)
     state(page).to_have_text("finished", timeout=SOON)
     assert embedded.service.get(view.id).stop_reasons == ["max_evaluations"]

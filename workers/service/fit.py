@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from geoswarm.records.evaluation import Evaluation
-from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
+from geoswarm.records.fit import Fit, FitCurve, FitDiagram, FitDiagrams, FitParameter, FitSeries
 from geoswarm.records.statistics import SeriesShare
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
 from geoswarm.solver.problem.weighting import series_shares
@@ -19,7 +19,11 @@ from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.units import convert
 from geoswarm.workers.service.job_service import JobService
 
-__all__ = ["fit_of"]
+if TYPE_CHECKING:
+    from geoswarm.solver.report.compression import CompressionCurve
+    from geoswarm.solver.report.diagrams import DiagramCurve
+
+__all__ = ["diagrams_of", "fit_of"]
 
 _OF_A_FORM = ("value", "expression", "lower", "upper", "scale", "initial")
 """What belongs to parameters of one form only; None in the others."""
@@ -56,8 +60,67 @@ def fit_of(service: JobService, job_id: str, chosen: tuple[int, int] | None = No
     )
 
 
+def diagrams_of(service: JobService, job_id: str) -> FitDiagrams:
+    """Return the diagrams that the tests of a job declare, and compression curves; the model runs once for each.
+
+    Raises
+    ------
+    JobNotFoundError
+    """
+    from geoswarm.solver.report.compression import compression_curves  # with Numba and SciPy
+    from geoswarm.solver.report.diagrams import diagram_curves
+
+    problem = parse_problem(service.problem(job_id))
+    best = service.best(job_id)
+    if best is None:
+        return FitDiagrams(items=[])
+    values = problem.values([best.parameters[name] for name in problem.free_names])
+    compressed = [_compression(curve) for curve in compression_curves(problem, values, None)]
+    return FitDiagrams(items=[*compressed, *(_diagram(curve) for curve in diagram_curves(problem, values))])
+
+
+def _compression(curve: CompressionCurve) -> FitDiagram:
+    from geoswarm.solver.report.figures.compression_plot import axes_of_compression
+
+    (x_quantity, x_unit), (y_quantity, y_unit) = axes_of_compression(curve)
+    return FitDiagram(
+        name=f"compression.{curve.part}" if curve.part else "compression",
+        heading="Compression curve",
+        test=curve.part,
+        x_quantity=x_quantity,
+        y_quantity=y_quantity,
+        x_unit=x_unit,
+        y_unit=y_unit,
+        log=True,
+        downwards=not curve.void_ratio,
+        x=curve.stress,
+        y=curve.calculated,
+        measured_x=curve.measured_stress,
+        measured_y=curve.measured,
+    )
+
+
+def _diagram(curve: DiagramCurve) -> FitDiagram:
+    return FitDiagram(
+        name=f"{curve.diagram.name}.{curve.part}" if curve.part else curve.diagram.name,
+        heading=curve.diagram.heading,
+        test=curve.part,
+        x_quantity=curve.x_info.y_quantity,
+        y_quantity=curve.y_info.y_quantity,
+        x_unit=curve.x_info.y_unit,
+        y_unit=curve.y_info.y_unit,
+        log=curve.diagram.log,
+        downwards=curve.diagram.downwards,
+        x=curve.x,
+        y=curve.y,
+        measured_x=curve.measured_x,
+        measured_y=curve.measured_y,
+    )
+
+
 def _parameters(problem: Problem) -> list[FitParameter]:
     labels = parameter_labels(problem)
+    usual = {info.name: info.typical for info in problem.model.parameters}
     listed = []
     for name, parameter in problem.parameters.items():
         label = labels[name]
@@ -75,7 +138,10 @@ def _parameters(problem: Problem) -> list[FitParameter]:
             own |= {"form": "linked", "expression": parameter.expression.text}
         else:
             own |= {"form": "fixed", "value": parameter.value}
-        listed.append(FitParameter(name=name, symbol=label.symbol, unit=unit, **own))
+        low, high = usual.get(name) or (None, None)
+        listed.append(
+            FitParameter(name=name, symbol=label.symbol, unit=unit, typical_lower=low, typical_upper=high, **own)
+        )
     return listed
 
 
@@ -99,6 +165,7 @@ def _series(problem: Problem, orders: Mapping[str, npt.NDArray[np.intp]]) -> lis
                 breaks=convert(breaks, info.x_unit, x_unit),
                 gross_x=convert(observation.gross_x, info.x_unit, x_unit),
                 gross_measured=convert(observation.gross_y, info.y_unit, y_unit),
+                x_names=list(info.x_names),
             )
         )
     return listed

@@ -8,8 +8,8 @@ from fastapi import APIRouter, Query
 
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
-from geoswarm.records.fit import Fit
-from geoswarm.workers.service.fit import fit_of
+from geoswarm.records.fit import Fit, FitDiagrams
+from geoswarm.workers.service.fit import diagrams_of, fit_of
 
 __all__ = ["router"]
 
@@ -32,3 +32,12 @@ def fit(
         raise DetailError(422, "generation and particle name an evaluation together: give both, or none.")
     chosen = None if generation is None or particle is None else (generation, particle)
     return fit_of(service, job_id, chosen)
+
+
+@router.get("/diagrams", responses=problems_of(404))
+def diagrams(job_id: JobId, service: Service) -> FitDiagrams:
+    """Show the diagrams of the job's tests, measured and calculated: compression curves, stress paths and others.
+
+    Empty for models without tests, and before an evaluation has succeeded.
+    """
+    return diagrams_of(service, job_id)

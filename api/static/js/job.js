@@ -1,14 +1,12 @@
-// What a job has found, live: the answer, its fit, what to do next.
-import { connection } from "./dom.js";
+// What a job has found, live: the answer, its fit at a glance, what to do next.
+import { connection, failure } from "./dom.js";
 import { actions } from "./job/actions.js";
 import { answer } from "./job/answer.js";
-import { facts } from "./job/facts.js";
-import { fit } from "./job/fit.js";
-import { followUps } from "./job/follow_ups.js";
+import { glance } from "./job/glance.js";
 import { live } from "./job/live.js";
 import { outcome } from "./job/outcome.js";
 import { progress } from "./job/progress.js";
-import { reports } from "./job/reports.js";
+import { readings } from "./job/readings.js";
 
-reports();
-live([facts, actions, outcome, progress, answer, fit, followUps]).catch((error) => connection(error.message));
+const without = (error) => document.getElementById("fit").replaceChildren(failure(error));
+live([readings(without), actions, outcome, progress, answer, glance]).catch((error) => connection(error.message));

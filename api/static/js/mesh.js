@@ -4,12 +4,14 @@ import { count, number, withUnit } from "./format.js";
 import { get } from "./http.js";
 import { BodyCanvas } from "./mesh/canvas.js";
 import { controls } from "./mesh/controls.js";
-import { bandColour, regionColours } from "./mesh/drawing.js";
-import { box, levels, outline, roundDown } from "./mesh/geometry.js";
+import { INTERFACE, bandColour, regionColours } from "./mesh/drawing.js";
+import { box, largestFactor, levels, outline, roundDown } from "./mesh/geometry.js";
+import { colour } from "./plot.js";
 import { vectorTable } from "./mesh/vectors.js";
 
 const { job, mesh: hasMesh } = document.querySelector("main").dataset;
 const place = (id) => document.getElementById(id);
+const KEPT = 0.9; // of the factor at which the first triangle would have no area
 const view = { mesh: null, fields: null, outline: null, unit: null };
 const parts = {};
 
@@ -54,7 +56,8 @@ async function read() {
     view.unit = unitOf(largest);
     view.sizes = sizes;
     const [left, , right] = box(mesh.nodes);
-    parts.controls.ready(Math.max(1, roundDown((0.03 * (right - left)) / (largest || 1e-12))));
+    const limit = KEPT * largestFactor(mesh.nodes, fields.displacement, mesh.triangles);
+    parts.controls.ready(roundDown(Math.min(Math.max(1, (0.03 * (right - left)) / (largest || 1e-12)), limit)), limit);
     place("vectors").replaceChildren(vectorTable(mesh.vectors, view.unit));
     tell(`Largest displacement ${number(largest * view.unit.factor, 3)} ${view.unit.name}, largest shear strain ${number(100 * Math.max(...fields.shear_strain.flat()), 3)} %.`);
     show();
@@ -100,6 +103,7 @@ function legend(shown) {
     const bands = shown.levels.length - 1;
     parts.scale.replaceChildren(element("span", {}, `${shown.name} [${shown.unit}]`), element("span", { class: "steps" }, Array.from({ length: bands }, (_, band) => element("span", { class: "step" }, swatch(bandColour(band, bands)), `${number(shown.levels[band], 3)}`)), element("span", { class: "step" }, element("canvas", { width: 1, height: 1, "aria-hidden": true }), number(shown.levels[bands], 3))));
   }
+  if (mesh.interfaces.length) parts.scale.append(element("span", { class: "region" }, swatch(colour(INTERFACE)), "interface"));
   if (parts.controls.look().vectors && mesh.vectors.length) parts.scale.append(element("span", { class: "region" }, swatch(getComputedStyle(document.body).color), "measured"), element("span", { class: "region" }, swatch(regionColours(1)[0].replace("0.45", "1")), "calculated"));
 }
 

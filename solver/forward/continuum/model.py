@@ -169,7 +169,18 @@ class BodyModel(ABC):
                 text = f"{words}, from day {vector.start:g} to {vector.end:g}, over the point's number: {places}."
                 count = float(len(vector.points))
                 found.append(
-                    SeriesInfo(f"{name}.{component}", text, "point", "", "displacement", "m", 1.0, count, True)
+                    SeriesInfo(
+                        f"{name}.{component}",
+                        text,
+                        "point",
+                        "",
+                        "displacement",
+                        "m",
+                        1.0,
+                        count,
+                        True,
+                        x_names=tuple(vector.points),
+                    )
                 )
         return tuple(found)
 

@@ -24,7 +24,7 @@ from geoswarm.solver.report.figures.style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["compression_figure", "compression_rows"]
+__all__ = ["axes_of_compression", "compression_figure", "compression_rows"]
 
 _BEYOND = 1.01
 
@@ -53,10 +53,9 @@ def compression_figure(title: str, curve: CompressionCurve) -> Figure:
         plain_ticks(axes, "y", log=False, most=7)
         if not curve.void_ratio:
             axes.invert_yaxis()
-        stress = "vertical effective stress σ′v" if curve.confined else "mean effective stress p′"
-        stress = "vertical stress less back pressure" if curve.total else stress
-        axes.set_xlabel(with_unit(stress, "kPa"))
-        axes.set_ylabel(with_unit(*_quantity(curve)))
+        across, up = axes_of_compression(curve)
+        axes.set_xlabel(with_unit(*across))
+        axes.set_ylabel(with_unit(*up))
         finish(axes)
         axes.legend(loc="lower left", facecolor=PAPER, framealpha=0.85, edgecolor="none")
     return figure
@@ -78,6 +77,12 @@ def compression_rows(curve: CompressionCurve) -> tuple[list[str], list[list[obje
         header.append("gross error")
         rows = [[*row, struck.get(stage)] for stage, row in zip(curve.stages.tolist(), rows, strict=True)]
     return header, rows
+
+
+def axes_of_compression(curve: CompressionCurve) -> tuple[tuple[str, str], tuple[str, str]]:
+    """Quantity and unit of x and of y."""
+    stress = "vertical effective stress σ′v" if curve.confined else "mean effective stress p′"
+    return ("vertical stress less back pressure" if curve.total else stress, "kPa"), _quantity(curve)
 
 
 def _quantity(curve: CompressionCurve) -> tuple[str, str]:

@@ -1,10 +1,11 @@
 // The answer in words, and the table of parameters: both from the statistics, so that they never disagree with these.
 import { alarm, doubt } from "../alarm.js";
 import { withButtons } from "../costs.js";
-import { announce, element, empty, exchange } from "../dom.js";
+import { announce, element, empty, exchange, svg } from "../dom.js";
 import { amount, ends, number, plain, precise, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { ENDED } from "../states.js";
+import { materialButtons } from "./copy.js";
 import { nextStep } from "./next_step.js";
 
 const FORMS = { fixed: "fixed", linked: "linked" };
@@ -34,8 +35,25 @@ export function boundTouched(value, { lower, upper, scale }) {
   return place <= NEAR ? "lower" : place >= 1 - NEAR ? "upper" : null;
 }
 
+/** The searched range as a bar: the usual range in it, the interval, and the value. */
+function searched({ lower, upper, scale, unit, typical_lower: usualLow, typical_upper: usualHigh }, value, low, high) {
+  const log = scale === "log" && lower > 0;
+  const share = (at) => {
+    const part = log ? (at > 0 ? Math.log(at / lower) / Math.log(upper / lower) : 0) : (at - lower) / (upper - lower);
+    return 100 * Math.min(Math.max(part, 0), 1);
+  };
+  const bar = (kind, from, to, y, height, least = 0) => svg("rect", { class: kind, x: `${share(from).toFixed(2)}%`, width: `${Math.max(share(to) - share(from), least).toFixed(2)}%`, y, height });
+  const usual = usualLow !== null && usualLow !== undefined && usualHigh > lower && usualLow < upper;
+  const words = `searched from ${number(lower)} to ${withUnit(number(upper), unit)}${log ? " on a logarithmic scale" : ""}${usual ? `, usual ${number(usualLow)} to ${number(usualHigh)}` : ""}`;
+  return element("span", { class: "searched", title: words }, number(lower),
+    svg("svg", { class: "within", role: "img", "aria-label": words },
+      svg("rect", { class: "all", x: 0, width: "100%", y: 5, height: 4 }), usual ? bar("usual", usualLow, usualHigh, 2, 10) : null,
+      low !== null && high !== null ? bar("interval", low, high, 4, 6, 1) : null,
+      svg("line", { class: "value", x1: `${share(value).toFixed(2)}%`, x2: `${share(value).toFixed(2)}%`, y1: 0, y2: 14 })), `${number(upper)}${log ? " log" : ""}`);
+}
+
 export function answer(view) {
-  const said = document.getElementById("answer"), table = document.getElementById("parameters");
+  const said = document.getElementById("answer"), table = document.getElementById("parameters"), copies = document.getElementById("copies");
   const followUp = document.querySelector("main").dataset.role === "follow_up";
   const next = nextStep(view, document.getElementById("next"), () => { judged = null; judge(); });
   let judged = null;
@@ -62,38 +80,58 @@ export function answer(view) {
     parameters();
   }
 
-  function row(name, value, info) {
-    const verdict = view.statistics?.verdicts.find(({ parameter }) => parameter === name);
+  /** What is known of a parameter: value and interval, from the sensitivities at the optimum or the good fits. */
+  function known(name) {
+    const verdict = view.statistics?.verdicts.find(({ parameter }) => parameter === name) ?? null;
     const at = view.statistics?.linearisation?.parameters[name];
     const [low, high] = at?.interval ?? [verdict?.evidence.range_lower ?? null, verdict?.evidence.range_upper ?? null];
-    const known = low !== null && high !== null;
-    const shown = at?.value ?? value;
-    const free = info ? info.form === "free" : view.job.free_parameters.includes(name);
-    const bound = info && free ? boundTouched(shown, info) : null;
+    return { value: at?.value ?? view.job.parameters[name], low, high, verdict, good: !at?.interval };
+  }
+
+  function row(name, info) {
+    const { value, low, high, verdict, good } = known(name);
+    const there = low !== null && high !== null;
+    const bound = info ? boundTouched(value, info) : null;
     const several = view.statistics?.basins.others.some(({ differs }) => differs.includes(name));
-    const how = !at?.interval ? "range of the good fits" : several ? "in one of several basins" : null;
+    const how = good ? "range of the good fits" : several ? "in one of several basins" : null;
     return element("tr", {},
       element("td", {}, withUnit(symbol(name), info?.unit), symbol(name) === name ? null : element("small", {}, ` ${name}`)),
-      element("td", { class: "n", title: free ? number(shown, 10) : null }, free && known ? precise(shown, high - low) : number(shown)),
-      element("td", {}, free && known ? ends(low, high, 3) : free ? "–" : "", free && known && how ? element("small", {}, ` ${how}`) : null),
+      element("td", { class: "n", title: number(value, 10) }, there ? precise(value, high - low) : number(value)),
+      element("td", {}, there ? ends(low, high, 3) : "–", there && how ? element("small", {}, ` ${how}`) : null, info ? searched(info, value, low, high) : null),
       element("td", {},
-        verdict ? element("a", { class: `verdict ${verdict.kind}`, href: `/jobs/${view.id}/statistics#verdict-${name}`, title: verdict.reason }, verdict.words) : free ? "searched" : FORMS[info?.form] ?? "given",
-        bound ? element("strong", { class: "touched" }, ` ⚠ at its ${bound} bound ${number(info[bound])}`) : null),
-      element("td", { class: "range" }, free && info ? `${number(info.lower)} … ${number(info.upper)}${info.scale === "log" ? " (log)" : ""}` : info?.expression ?? ""));
+        verdict ? element("a", { class: `verdict ${verdict.kind}`, href: `/jobs/${view.id}/statistics#verdict-${name}`, title: verdict.reason }, verdict.words) : "searched",
+        bound ? element("strong", { class: "touched" }, ` ⚠ at its ${bound} bound ${number(info[bound])}`) : null));
   }
+
+  /** Parameters that were not searched, in a line. */
+  function given(infos) {
+    const told = Object.entries(view.job.parameters).filter(([name]) => !view.job.free_parameters.includes(name)).map(([name, value]) => {
+      const info = infos.get(name);
+      return `${symbol(name)} = ${info?.expression ? `${info.expression} = ` : ""}${amount(value, info?.unit, 4)}${FORMS[info?.form] ? ` (${FORMS[info.form]})` : ""}`;
+    });
+    return told.length ? element("p", { class: "help", id: "given" }, `Given: ${told.join(", ")}.`) : null;
+  }
+
+  /** Values and intervals as a material set. */
+  const materialSet = (infos) => () => Object.entries(view.job.parameters).map(([name, value]) => {
+    const { value: shown, low, high } = view.job.free_parameters.includes(name) ? known(name) : { value, low: null, high: null };
+    return { name, unit: infos.get(name)?.unit ?? "", value: shown, lower: low, upper: high };
+  });
 
   function parameters() {
     const { job } = view;
-    if (!job.parameters) return void table.replaceChildren(empty("No evaluation has succeeded yet."));
+    if (!job.parameters) return void exchange(table, empty(ENDED.has(job.state) ? "No evaluation has succeeded: there are no values." : "No evaluation has succeeded yet."));
     const infos = new Map((view.fit?.parameters ?? []).map((info) => [info.name, info]));
     const level = view.statistics?.linearisation?.level;
     const wrong = doubt(view.statistics?.fit);
-    const heads = ["Parameter", "Value", `${level ? `${Math.round(100 * level)} % interval` : "Interval"}${wrong ? ": does not hold" : ""}`, "Verdict", "Searched"];
+    const heads = ["Parameter", "Value", `${level ? `${Math.round(100 * level)} % interval` : "Interval"}${wrong ? ": does not hold" : ""}`, "Verdict"];
     exchange(table, element("table", {},
-      element("thead", {}, element("tr", {}, heads.map((head, i) => element("th", { scope: "col", class: i === 1 ? "n" : i === 4 ? "range" : null }, head)))),
-      element("tbody", {}, Object.entries(job.parameters).map(([name, value]) => row(name, value, infos.get(name))))),
+      element("thead", {}, element("tr", {}, heads.map((head, i) => element("th", { scope: "col", class: i === 1 ? "n" : null }, head)))),
+      element("tbody", {}, job.free_parameters.map((name) => row(name, infos.get(name))))),
+      given(infos),
       level ? element("p", { class: "help" }, withButtons(view.statistics.basins.sentence)) : null,
       endedShort(view) ? element("p", { class: "help" }, "Values and intervals are those of the minimum that the sensitivities went to. The search had ended short of it; the fit shows its best run.") : null);
+    copies.replaceChildren(ENDED.has(job.state) && view.fit ? materialButtons(materialSet(infos)) : "");
   }
 
   if (followUp) said.replaceChildren("A follow-up: its runs are around an optimum. ", ...parentLink());

@@ -53,7 +53,7 @@ export function evaluations(view) {
     const failed = items.some(({ reason }) => reason);
     const heads = [["Generation · particle"], ["State"], [withUnit("Objective", view.fit?.objective_unit), "n"], ...names.map((name) => [withUnit(symbol(name), units.get(name)), "n"]), ["Time", "n"], ["Tries", "n"], ...(failed ? [["Why it failed"]] : [])];
     const rows = items.map((one) => element("tr", { onclick: ({ target }) => { if (!target.closest("button")) open(one); } },
-      element("td", {}, element("button", { type: "button", class: "link", onclick: () => open(one), "aria-label": `Open evaluation of particle ${one.particle} in generation ${one.generation}` }, `${one.generation} · ${one.particle}`)),
+      element("td", {}, element("button", { type: "button", class: "link", onclick: () => open(one), "aria-label": `${one.generation} · ${one.particle}: Open evaluation of particle ${one.particle} in generation ${one.generation}` }, `${one.generation} · ${one.particle}`)),
       element("td", {}, one.state),
       element("td", { class: "n" }, number(one.objective, 6)),
       names.map((name) => element("td", { class: "n" }, number(one.parameters[name], 5))),

@@ -1,6 +1,5 @@
 // What a job has done, in numbers.
-import { element } from "../dom.js";
-import { amount, count, duration, number, plain } from "../format.js";
+import { count, duration, number, plain } from "../format.js";
 import { ENDED } from "../states.js";
 
 export function facts(view) {
@@ -24,12 +23,8 @@ export function facts(view) {
 
   setInterval(() => { if (!document.hidden && !ENDED.has(view.job.state)) clock(); }, 1000);
   return {
-    job({ state, retrying, stop_reasons: reasons }) {
+    job({ stop_reasons: reasons }) {
       read = performance.now();
-      const badge = document.querySelector("h1 .state");
-      badge.className = `state ${state}`;
-      badge.textContent = retrying ? `${state} (failed evaluations again)` : state;
-      document.querySelector("main").dataset.state = state;
       set("stopped", reasons.map(plain).join(", ") || "–");
       show();
       clock();
@@ -37,9 +32,6 @@ export function facts(view) {
     generation: show,
     fit() {
       document.querySelector("[data-unit]").textContent = view.fit.objective_unit ? `[${view.fit.objective_unit}]` : "";
-      const best = view.fit.curves.find(({ role }) => role === "best");
-      field("deviation").replaceChildren(...(best?.shares ?? []).map(({ series, root_mean_square: value, unit }) =>
-        element("div", {}, best.shares.length > 1 ? `${plain(series)} ` : "", amount(value, unit))));
     },
   };
 }

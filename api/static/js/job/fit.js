@@ -1,74 +1,58 @@
-// Measured points with the first and the best evaluation, and what is left over, one plot a series.
-import { element, empty, failure } from "../dom.js";
-import { get } from "../http.js";
+// Measured points with the first and the best evaluation, and what is left over, one plot a series; each drawn when it is seen.
+import { element, empty, exchange } from "../dom.js";
+import { amount, plain } from "../format.js";
 import { paced } from "../pace.js";
 import { plot } from "../plot.js";
-import { choices, choose as chooseUnit, converted } from "../units.js";
+import { ENDED } from "../states.js";
 import { fitPlot, stagesOf } from "./fit_plot.js";
-
-const INTERVAL = 2500, PANELS = 4;
+import { unitChoices } from "./readings.js";
 
 export function fit(view) {
   const place = document.getElementById("fit");
-  const options = { time: null, series: null, initial: true };
-  let plots = [], shape = "", objective, raw = null;
+  const options = { time: null, initial: true };
+  let plots = [], shape = "";
 
   function controls(series) {
-    const many = series.length > PANELS;
-    options.series ??= many ? series[0].series : null;
     const staged = series.some((one) => one.breaks.length > 1);
     options.time ??= series.some((one) => stagesOf(one).long) ? "stages" : "linear";
     const kinds = [["linear", "as measured"], ["log", "logarithmic"], ...(staged ? [["stages", "each stage, logarithmic"]] : [])];
     const time = element("select", { onchange: ({ target }) => { options.time = target.value; draw(); } }, kinds.map(([value, words]) => element("option", { value, selected: value === options.time }, words)));
-    const initial = element("input", { type: "checkbox", checked: true, onchange: ({ target }) => { options.initial = target.checked; draw(); } });
-    const choose = element("select", { onchange: ({ target }) => { options.series = target.value; build(); draw(); } }, series.map((one) => element("option", {}, one.series)));
-    return element("div", { class: "controls" },
-      many ? element("label", {}, "Series", choose) : null,
-      element("label", { class: "beside" }, initial, "first evaluation"),
-      element("label", { class: "beside" }, "Across", time),
-      choices(raw).map(({ family, name, units, chosen }) => element("label", { class: "beside" }, name,
-        element("select", { onchange: ({ target }) => { chooseUnit(family, target.value || null); view.fit = converted(raw); view.changed(); draw(); } },
-          element("option", { value: "" }, "as given"), units.map((unit) => element("option", { selected: unit === chosen }, unit))))));
+    const initial = element("input", { type: "checkbox", checked: options.initial, onchange: ({ target }) => { options.initial = target.checked; draw(); } });
+    return [element("label", { class: "beside" }, initial, "first evaluation"), element("label", { class: "beside" }, "Across", time), unitChoices(view)];
   }
 
-  function build() {
-    const { series } = view.fit;
-    const chosen = options.series ? series.filter((one) => one.series === options.series) : series;
+  function build(series) {
     plots.forEach(({ remove }) => remove());
-    const panels = chosen.map((one) => [one, element("div", {})]);
-    plots = panels.map(([one, frame]) => plot(frame, () => fitPlot(view.fit, one.series, { ...options, time: options.time === "stages" && one.breaks.length < 2 ? "linear" : options.time })));
-    place.querySelector(".panels").replaceChildren(...panels.map(([one, frame]) => element("div", {}, series.length > 1 ? element("h3", {}, one.series) : null, frame)));
+    const heads = series.map((one) => element("h3", {}, plain(one.series)));
+    const frames = series.map(() => element("div", {}));
+    place.replaceChildren(element("p", { class: "help", id: "fit-state" }), element("div", { class: "controls" }), element("div", { class: "panels" }, frames.map((frame, i) => element("div", {}, heads[i], frame))));
+    plots = series.map(({ series: name, breaks }, i) => {
+      const { draw: drawn, remove } = plot(frames[i], () => fitPlot(view.fit, name, { ...options, time: options.time === "stages" && breaks.length < 2 ? "linear" : options.time }));
+      return { draw: paced(drawn, 100, frames[i]), remove, head: heads[i] };
+    });
   }
 
-  const draw = () => Promise.all(plots.map((one) => one.draw()));
-
-  const load = paced(async () => {
-    try {
-      if (view.fit === null || objective !== view.job.objective) {
-        const wanted = view.job.objective;
-        raw = await get(`/jobs/${view.id}/fit`);
-        view.fit = converted(raw);
-        objective = wanted;
-        view.changed();
-      }
-      const now = view.fit.series.map((one) => one.series).join("\n");
-      if (now !== shape) {
-        shape = now;
-        place.replaceChildren(
-          element("p", { class: "help", id: "fit-state" }), controls(view.fit.series), element("div", { class: "panels" }));
-        build();
-      }
-      place.querySelector("#fit-state").textContent = view.fit.curves.some(({ role }) => role === "best")
-        ? "" : "Measured points only: no evaluation has succeeded yet.";
-      await draw();
-    } catch (error) {
-      if (view.fit === null) place.replaceChildren(failure(error));
-    }
-  }, INTERVAL);
+  function draw() {
+    const best = view.fit.curves.find(({ role }) => role === "best");
+    view.fit.series.forEach(({ series }, i) => {
+      const share = best?.shares.find((one) => one.series === series);
+      plots[i].head.replaceChildren(plain(series), share ? element("small", {}, ` ${amount(share.root_mean_square, share.unit)} root mean square`) : "");
+      plots[i].draw();
+    });
+    place.querySelector("#fit-state").textContent = best ? "" : `Measured points only: no evaluation has succeeded${ENDED.has(view.job.state) ? "" : " yet"}.`;
+  }
 
   place.replaceChildren(empty("Loading …"));
   return {
-    job: load,
-    generation({ objective: best }) { if (best !== objective) load(); },
+    fit() {
+      const { series } = view.fit;
+      const now = series.map((one) => one.series).join("\n");
+      if (now !== shape) {
+        shape = now;
+        build(series);
+      }
+      exchange(place.querySelector(".controls"), controls(series));
+      draw();
+    },
   };
 }

@@ -22,7 +22,7 @@ export function stagesOf({ x, breaks }) {
 }
 
 /** A curve with a gap between stages. */
-function broken(places, stage, values) {
+export function broken(places, stage, values) {
   const x = [], y = [];
   places.forEach((at, i) => {
     if (at === null) return;
@@ -50,7 +50,7 @@ export function fitPlot(fit, name, { time = "linear", initial = true } = {}) {
   const line = (curve) => (stages ? broken(x, stages.stage, curve.values[name]) : { x, y: curve.values[name] });
   const axis = stages
     ? { title: { text: `stage, each over log ${series.x_quantity} from ${number(stages.low, 2)} to ${number(stages.high, 2)} ${series.x_unit}` }, tickvals: stages.starts.map((_, i) => i + 0.45), ticktext: stages.starts.map((one) => String(one + 1)), range: [-0.1, stages.starts.length] }
-    : { title: { text: xTitle }, type: time === "log" ? "log" : "linear" };
+    : { title: { text: xTitle }, type: time === "log" ? "log" : "linear", ...(series.x_names.length ? { tickvals: series.x_names.map((_, i) => i + 1), ticktext: series.x_names } : {}) };
   return {
     data: [
       { type: "scatter", mode: "markers", name: "measured", x, y: series.measured, marker: { color: colour("--ink"), symbol: "circle-open", size: stages ? 5 : 7 }, ...told },

@@ -10,16 +10,25 @@ const { job: id } = document.querySelector("main").dataset;
 const POINTS = 3000, MOST = 9000, INTERVAL = 200;
 const COMPILING = "A worker compiles the numerical kernels: once after an installation, about a minute.";
 
+function badge({ state, retrying }) {
+  const place = document.querySelector("h1 .state");
+  place.className = `state ${state}`;
+  place.textContent = retrying ? `${state} (failed evaluations again)` : state;
+  document.querySelector("main").dataset.state = state;
+}
+
 /** The parts of a page, each made of `view` and told by `job`, `course`, `generation` and `fit`. */
 export async function live(makers) {
   const view = { id, job: await get(`/jobs/${id}`), course: [], fit: null };
   const follower = view.job.last_event; // what the generations below know already is passed over by their numbers
   view.refresh = async () => {
     view.job = await get(`/jobs/${id}`);
+    badge(view.job);
     for (const part of parts) part.job?.(view.job);
   };
   view.changed = () => { for (const part of parts) part.fit?.(); };
   const parts = makers.map((part) => part(view));
+  badge(view.job);
   for (const part of parts) part.job?.(view.job);
   ({ items: view.course } = await get(`/jobs/${id}/generations`, { points: POINTS, limit: POINTS }));
   for (const part of parts) part.course?.();

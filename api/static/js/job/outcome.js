@@ -25,7 +25,8 @@ export function outcome(view) {
     warnings.replaceChildren(...job.warnings.map((text) => element("li", {}, text)));
     const failed = job.failed_evaluations;
     const why = failed ? element("button", { type: "button", class: job.error ? "quiet" : "link", onclick: first }, job.error ? "Show the first failed evaluation" : "See why") : null;
-    if (job.error) place.replaceChildren(element("div", { class: "error" }, element("p", {}, job.error), why));
+    const again = job.error && document.body.dataset.maySubmit === "true" ? element("a", { class: "button", href: `/new?from=${view.id}` }, "Change the problem and calibrate again") : null;
+    if (job.error) place.replaceChildren(element("div", { class: "error" }, element("p", {}, job.error), element("div", { class: "buttons" }, again, why)));
     else if (failed) place.replaceChildren(element("p", { class: "help" }, `${failed} of ${job.evaluations} evaluations failed. `, why));
     else place.replaceChildren();
   }

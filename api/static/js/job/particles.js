@@ -93,7 +93,7 @@ export function particles(view) {
 
   const live = paced(async () => { if (!made || shown.live) draw(); else slider.max = newest(); }, INTERVAL, place);
 
-  place.replaceChildren(empty("No generation has finished yet."));
+  if (!view.job.generations) place.replaceChildren(empty("No generation has finished yet."));
   return {
     course: draw,
     generation: live,

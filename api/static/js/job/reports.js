@@ -1,10 +1,8 @@
-// Reports take seconds to make: said where they were asked for. And the problem to copy.
+// Reports take seconds to make: said where they were asked for.
 import { announce } from "../dom.js";
 import { request } from "../http.js";
-import { copyButtons } from "./copy.js";
 
 export function reports() {
-  document.getElementById("figures").before(copyButtons(document.querySelector("main").dataset.job));
   for (const link of document.querySelectorAll("a[data-made]")) {
     link.addEventListener("click", (event) => (link.download ? saved(event, link) : announce("The report opens in a new tab after a few seconds.")));
   }

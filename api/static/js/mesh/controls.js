@@ -19,9 +19,18 @@ export function controls(holder, mesh, { onLook, onPeriod, onEvaluation }) {
   const end = choice(phases, mesh.end, onPeriod);
   const slider = element("input", { type: "range", min: 0, max: 1000, value: "0", disabled: true, "aria-label": "Deformation scale" });
   const exact = element("input", { type: "number", min: 0, step: "any", value: "0", disabled: true, "aria-label": "Deformation scale as a number" });
-  let usual = 1, touched = false;
-  slider.addEventListener("input", () => { touched = true; exact.value = String(Number((usual * 3 * Number(slider.value) / 1000).toPrecision(3))); onLook(); });
-  exact.addEventListener("change", () => { touched = true; slider.value = String((1000 * Number(exact.value)) / (3 * usual)); onLook(); });
+  const most = element("small", { role: "status" });
+  let largest = 3, limit = Infinity, touched = false;
+  const place = () => { slider.value = String((1000 * Number(exact.value)) / largest); };
+  slider.addEventListener("input", () => { touched = true; exact.value = String(Number((largest * Number(slider.value) / 1000).toPrecision(3))); onLook(); });
+  exact.addEventListener("change", () => { touched = true; keep(); onLook(); });
+  /** What would turn a triangle inside out is not drawn. */
+  function keep() {
+    const over = Number(exact.value) > limit;
+    if (over) exact.value = String(Number(limit.toPrecision(2)));
+    most.textContent = over ? ` At most ${number(limit, 2)}: beyond, triangles turn inside out.` : "";
+    place();
+  }
   const tick = (text, checked) => {
     const input = element("input", { type: "checkbox", checked, onchange: onLook });
     return { input, line: element("label", {}, input, text) };
@@ -39,7 +48,7 @@ export function controls(holder, mesh, { onLook, onPeriod, onEvaluation }) {
   holder.replaceChildren(...[
     part ? field("Part", part) : null,
     field("Show", quantity), field("Displacements from", start), field("to", end),
-    element("fieldset", {}, element("legend", {}, "Deformation scale"), element("span", {}, slider, " ", exact)),
+    element("fieldset", {}, element("legend", {}, "Deformation scale"), element("span", {}, slider, " ", exact, most)),
     element("fieldset", {}, element("legend", {}, "With"), element("span", {}, lines.line, outline.line, vectors.line, points.line)),
     field("Generation", generation), field("Particle", particle),
     element("button", { type: "button", class: "quiet", onclick: asked }, "Show this evaluation"),
@@ -48,12 +57,13 @@ export function controls(holder, mesh, { onLook, onPeriod, onEvaluation }) {
   return {
     look: () => ({ quantity: quantity.value, factor: Number(exact.value) || 0, lines: lines.input.checked, outline: outline.input.checked, vectors: vectors.input.checked, points: points.input.checked }),
     period: () => ({ start: start.value === BEGINNING ? null : start.value, end: end.value }),
-    /** Displacements are there: the slider runs to three times what shows them well. */
-    ready: (factor) => {
-      usual = factor;
+    /** Displacements are there: the slider runs to three times what shows them well, and not beyond the limit. */
+    ready: (factor, beyond) => {
+      limit = beyond;
+      largest = Math.min(3 * factor, limit);
       slider.disabled = exact.disabled = false;
       if (!touched) exact.value = String(factor);
-      slider.value = String((1000 * Number(exact.value)) / (3 * usual));
+      keep();
     },
   };
 }

@@ -1,9 +1,10 @@
 // Paints a body on a canvas: regions or contours, deformed as wanted, with its mesh, outline and vectors.
-import { tickText } from "../statistics/ticks.js";
+import { tickText } from "../ticks.js";
 import { colour, palette } from "../plot.js";
 import { COLOURS } from "../ramp.js";
 import { PIECES, between, roundDown } from "./geometry.js";
 
+export const INTERFACE = "--series-2"; // its colour
 const LONGEST_ARROW = 0.14;
 
 /** Colour of a band of so many. */
@@ -31,6 +32,22 @@ export function paint(context, view, map, size) {
   if (view.options.outline) edges(context, view.outline, view.mesh.nodes.map(map), colour("--ink"), [5, 4]);
   if (view.options.points) points(context, view.mesh, pixels);
   if (view.options.vectors) arrows(context, view, map, size);
+  metres(context, map, size);
+}
+
+/** A length of the body, for scale. */
+function metres(context, map, [width, height]) {
+  const perMetre = map([1, 0])[0] - map([0, 0])[0];
+  const length = roundDown((0.2 * width) / perMetre), end = width - 16, start = end - length * perMetre;
+  context.strokeStyle = colour("--ink");
+  context.lineWidth = 2;
+  context.beginPath();
+  context.moveTo(start, height - 22);
+  context.lineTo(start, height - 16);
+  context.lineTo(end, height - 16);
+  context.lineTo(end, height - 22);
+  context.stroke();
+  label(context, `${tickText(length)} m`, (start + end) / 2, height - 24);
 }
 
 function triangle(path, nodes, pixels) {
@@ -95,7 +112,7 @@ function lines(context, triangles, pixels, paintOf, width) {
 }
 
 function interfaces(context, found, pixels) {
-  context.strokeStyle = colour("--series-2");
+  context.strokeStyle = colour(INTERFACE);
   context.lineWidth = 2;
   context.beginPath();
   for (const nodes of found) {

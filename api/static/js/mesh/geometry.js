@@ -66,3 +66,30 @@ export function roundDown(value) {
   const power = 10 ** Math.floor(Math.log10(Math.max(value, 1e-300)));
   return power * [5, 2, 1].find((step) => step * power <= value * (1 + 1e-9));
 }
+
+/**
+ * The largest factor up to which displacements turn no piece of a triangle inside out; Infinity where none ever does.
+ * The area of a piece is a + b s + c s² at a factor s.
+ */
+export function largestFactor(nodes, displacement, triangles) {
+  let least = Infinity;
+  for (const triangle of triangles) {
+    for (const piece of PIECES) {
+      const [p, q, r] = piece.map((k) => nodes[triangle[k]]), [u, v, w] = piece.map((k) => displacement[triangle[k]]);
+      const [ex, ey, fx, fy] = [q[0] - p[0], q[1] - p[1], r[0] - p[0], r[1] - p[1]];
+      const [gx, gy, hx, hy] = [v[0] - u[0], v[1] - u[1], w[0] - u[0], w[1] - u[1]];
+      const a = ex * fy - ey * fx, b = ex * hy + gx * fy - ey * hx - gy * fx, c = gx * hy - gy * hx;
+      least = Math.min(least, firstRoot(a, b, c));
+    }
+  }
+  return least;
+}
+
+/** The smallest positive root of a + b s + c s²; Infinity without one. */
+function firstRoot(a, b, c) {
+  if (a === 0) return Infinity;
+  const inside = b * b - 4 * a * c;
+  if (inside < 0) return Infinity;
+  const half = -0.5 * (b + Math.sign(b || 1) * Math.sqrt(inside));
+  return Math.min(...[half === 0 ? NaN : a / half, c === 0 ? NaN : half / c].filter((root) => root > 0));
+}

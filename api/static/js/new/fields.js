@@ -2,17 +2,18 @@
 import { element } from "../dom.js";
 import { number } from "../format.js";
 import { pathText } from "./draft.js";
+import { valueWithUnit } from "./units.js";
 
 /** Id of the input of a path. */
 export const idOf = (path) => `f-${pathText(path).replace(/[^\w]/g, "-")}`;
 
-/** What an input for numbers holds: a number, null for "none", undefined when empty, else the text for the service to judge. */
-export function numberOf(text, nullable = false) {
+/** What an input for numbers holds: a number, null for "none", undefined when empty, else the text for the service to judge. "20 mm" is taken where `unit` is a length. */
+export function numberOf(text, nullable = false, unit = undefined) {
   const plain = text.trim();
   if (plain === "") return undefined;
   if (nullable && /^(none|null)$/i.test(plain)) return null;
   const value = Number(/^[+-]?\d*,\d+(e[+-]?\d+)?$/i.test(plain) ? plain.replace(",", ".") : plain);
-  return Number.isFinite(value) ? value : plain;
+  return Number.isFinite(value) ? value : unit === undefined ? plain : valueWithUnit(plain, unit) ?? plain;
 }
 
 export function shown(value) {
@@ -34,14 +35,14 @@ export function errorPlace(path) {
  */
 export function field(draft, path, { label, kind = "text", unit, help, fallback, nullable, options, typical, required, bare, onchange, wide, blank } = {}) {
   const id = idOf(path);
-  const unusual = typical ? element("p", { class: "unusual", role: "status", hidden: true }) : null;
+  const unusual = typical || unit ? element("p", { class: "unusual", role: "status", hidden: true }) : null;
   const write = (value) => {
     draft.write(path, value === undefined ? blank : value);
     warn(unusual, value, typical, unit);
     onchange?.(value);
   };
   const given = draft.read(path) === blank ? undefined : draft.read(path);
-  const input = kind === "select" ? select(given, fallback, options, write) : text(given, kind, nullable, fallback, write);
+  const input = kind === "select" ? select(given, fallback, options, write) : text(given, kind, nullable, fallback, write, unit);
   input.id = id;
   input.dataset.path = pathText(path);
   const described = [help || typical ? `${id}-help` : null, `${id}-error`].filter(Boolean).join(" ");
@@ -61,24 +62,35 @@ export function field(draft, path, { label, kind = "text", unit, help, fallback,
 /** A word beside a number outside its usual range: no mistake, but often a slip of units. */
 function warn(place, value, typical, unit) {
   if (!place) return;
+  if (typeof value === "string" && /^[+-]?[\d.,]+\s*[a-z°%µ]/i.test(value)) { // refused: the service would only ask for a number
+    place.hidden = false;
+    place.textContent = `${value} cannot be given in ${unit}: write a number, or a value with a unit of the same kind.`;
+    return;
+  }
+  if (!typical) return void (place.hidden = true);
   const [low, high] = typical;
   place.hidden = typeof value !== "number" || (value >= low && value <= high);
   if (!place.hidden) place.textContent = `⚠ Outside the usual range, ${number(low)} to ${number(high)}${unit ? ` ${unit}` : ""}: is the unit right?`;
 }
 
-function text(value, kind, nullable, fallback, write) {
+function text(value, kind, nullable, fallback, write, unit) {
   const numeric = kind === "number";
   const place = fallback === undefined || fallback === null || typeof fallback === "object" ? null : String(fallback);
   const input = element("input", {
     type: "text", value: Array.isArray(value) ? value.join(", ") : shown(value), placeholder: place, spellcheck: "false", autocomplete: "off",
     inputmode: numeric ? "decimal" : null, class: numeric ? "n" : null,
   });
-  input.addEventListener("input", () => write(parsed(input.value, kind, nullable)));
+  input.addEventListener("input", () => write(parsed(input.value, kind, nullable, unit)));
+  if (numeric && unit) input.addEventListener("change", () => { // "20 mm" becomes what it is in the unit beside the field
+    const taken = numberOf(input.value, nullable, unit);
+    if (typeof taken === "number" && !Number.isFinite(Number(input.value.replace(",", ".")))) input.value = shown(taken);
+  });
   return input;
 }
 
-function parsed(given, kind, nullable) {
-  if (kind === "number" || kind === "mixed") return numberOf(given, nullable);
+function parsed(given, kind, nullable, unit) {
+  if (kind === "number") return numberOf(given, nullable, unit || undefined);
+  if (kind === "mixed") return numberOf(given, nullable);
   if (kind === "numbers") return given.trim() === "" ? undefined : given.split(/[;\s]+|,\s*/).filter(Boolean).map((one) => numberOf(one));
   if (kind === "texts") return given.trim() === "" ? undefined : given.split(/\s*,\s*/).filter(Boolean);
   if (kind === "json") return jsonOf(given);

@@ -1,5 +1,5 @@
 // The same problem as YAML: always there, can be written, copied and downloaded; with the list of what is wrong.
-import { announce, element } from "../dom.js";
+import { announce, element, exchange } from "../dom.js";
 import { isTodo } from "./fields.js";
 
 export function yamlPanel(context, place, strict) {
@@ -7,6 +7,8 @@ export function yamlPanel(context, place, strict) {
   const area = element("textarea", { id: "yaml", spellcheck: "false", autocomplete: "off", wrap: "off", rows: "24", "aria-describedby": "yaml-help" });
   const issues = element("div", { id: "issues", role: "region", "aria-label": "What is missing or wrong", "aria-live": "polite" });
   const verdict = element("p", { id: "verdict", role: "status" });
+  const warnings = element("ul", { class: "notes", "aria-label": "Warnings" });
+  const start = element("button", { type: "button", id: "start-now", hidden: true, onclick: () => document.getElementById("start").click() }, "Start now");
   const note = element("p", { class: "error", role: "alert" });
   let typing = false; // the text is the user's until the form changes something
 
@@ -35,10 +37,13 @@ export function yamlPanel(context, place, strict) {
 
   function showIssues(answer) {
     const todo = answer.issues.filter(isTodo), wrong = answer.issues.filter((one) => !isTodo(one));
+    const told = answer.valid ? answer.warnings : [];
+    exchange(warnings, told.map((sentence) => element("li", {}, sentence)));
+    start.hidden = !answer.valid;
     verdict.textContent = answer.valid
-      ? "Complete and valid: ready to start."
+      ? told.length ? `Complete, with ${told.length === 1 ? "one warning" : `${told.length} warnings`}: ready to start.` : "Complete and valid: ready to start."
       : [wrong.length ? `${wrong.length} to fix` : "", todo.length ? `${todo.length} still missing` : ""].filter(Boolean).join(", ");
-    verdict.className = answer.valid ? "good" : wrong.length || strict() ? "error" : "help";
+    verdict.className = told.length ? "warned" : answer.valid ? "good" : wrong.length || strict() ? "error" : "help";
     issues.replaceChildren(answer.issues.length ? element("ul", {}, [...wrong, ...todo].map(item)) : "");
   }
 
@@ -88,7 +93,7 @@ export function yamlPanel(context, place, strict) {
   }
 
   place.replaceChildren(
-    verdict, issues, note, fold);
+    element("div", { class: "buttons" }, verdict, start), warnings, issues, note, fold);
 }
 
 /** Whether the reader has folded it, in this browser. */

@@ -5,7 +5,7 @@ import { coefficient, number, withUnit } from "../format.js";
 import { colour } from "../plot.js";
 import { COLOURS } from "../ramp.js";
 import { natural, place } from "./cloud.js";
-import { tickText, ticks } from "./ticks.js";
+import { tickText, ticks } from "../ticks.js";
 
 const LEFT = 70, TOP = 10, BOTTOM = 54, RIGHT = 14, GAP = 8;
 const SMALLEST = 86, LARGEST = 190;

@@ -163,6 +163,7 @@ def test_sections_that_do_not_fit_together_are_refused(changes: dict[str, Any], 
 
 def test_points_and_series_are_checked() -> None:
     model = spec(ground(vectors={"v": {"points": ["A"], "end": 5}})).build()
+    assert {info.name: info.x_names for info in model.series}["v.ux"] == ("A",)
     with pytest.raises(ProblemError, match=r"v.end: end = 5 day: the phases end at 0 day"):
         model.prepare({"v.ux": np.ones(1)})
     with pytest.raises(ProblemError, match=r"'C.ux' is unknown; known are A.ux, A.uy"):
