@@ -78,6 +78,7 @@ def show_values(
         click.echo(textwrap.fill(verdict["sentence"], _WIDTH, initial_indent="  ", subsequent_indent="    "))
     steps = [remedy["text"] for verdict in doubtful for remedy in verdict["what_to_do"]]
     steps += [proposal["sentence"] for verdict in doubtful for proposal in verdict["proposals"]]
+    steps += [remedy["text"] for remedy in found["basins"]["what_to_do"]]
     if steps:
         click.echo(textwrap.fill(f"Next: {steps[0]}", _WIDTH, initial_indent="  ", subsequent_indent="    "))
 

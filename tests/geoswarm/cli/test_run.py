@@ -13,6 +13,8 @@ from typing import Any
 import pytest
 
 from geoswarm.cli import main
+from geoswarm.cli.words.result import show_values
+from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.report.document.build import Report
 from geoswarm.solver.runs import evaluators
 from geoswarm.solver.system.versions import versions
@@ -252,3 +254,11 @@ def test_the_answer_is_shown_before_figures_are_drawn(
     assert main(["run", write(tmp_path), "--output", str(tmp_path / "run")]) == 0
     assert "95 % from" in shown[0]
     assert "root mean square" in shown[0]
+
+
+def test_the_answer_ends_with_the_next_step(capsys: pytest.CaptureFixture[str]) -> None:
+    basins = {"what_to_do": [{"text": "'geoswarm explore' searches for further basins."}]}
+    found = {"fit": {"kind": "describes"}, "linearisation": None, "verdicts": [], "basins": basins}
+    problem = parse_problem(decay_document())
+    show_values(problem, dict.fromkeys(problem.parameters, 1.0), found)
+    assert capsys.readouterr().out.endswith("  Next: 'geoswarm explore' searches for further basins.\n")

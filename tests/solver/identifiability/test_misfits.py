@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
+from typing import get_args, get_type_hints
 
+from geoswarm.records.remedy import Remedy as StoredRemedy
 from geoswarm.solver.identifiability.misfits import Misfit, sentence_of
-from geoswarm.solver.identifiability.remedies import remedies_of
+from geoswarm.solver.identifiability.remedies import FollowUpKind, RemedyKind, follow_up, remedies_of
 from tests.solver.problem.test_selection import staged
 
+ROOT = Path(__file__).parents[3]
 Q = Misfit("q", None, "pattern", 0.001, 8.1, -21.0, 0.1, None, "kPa", "%")
 END = " The parameters are those of the closest curve, and their intervals do not hold."
 
@@ -79,3 +84,11 @@ def test_remedies_are_records_with_a_text() -> None:
         "changes": ["error"],
         "text": "State the error that the readings have, or leave 'error' out: it is then estimated.",
     }
+
+
+def test_every_remedy_has_a_text_in_files_and_words_in_the_dashboard() -> None:
+    kinds = get_args(RemedyKind)
+    words = (ROOT / "api/static/js/remedies.js").read_text(encoding="utf-8")
+    assert set(re.findall(r"^  (\w+): \(", words, re.MULTILINE)) == set(kinds)
+    assert set(get_args(get_type_hints(StoredRemedy)["kind"])) == set(kinds)
+    assert all(follow_up(kind).text.startswith(f"'geoswarm {kind}' ") for kind in get_args(FollowUpKind))
