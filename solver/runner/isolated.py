@@ -30,6 +30,7 @@ from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, SeriesInfo
 from geoswarm.solver.forward.registry import read_foreign_sections
 from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.runner.evaluator import NoProcessError
 from geoswarm.solver.system.environment import clean_environment, numerics
 from geoswarm.solver.system.processes import child_program, kill_session, memory_of
 
@@ -77,6 +78,8 @@ class _Host:
             What the model raised.
         BrokenForwardModelError
             It raised anything else, or ended the process, twice.
+        NoProcessError
+            There is none to be had: no model is to blame.
         """
         with self._lock:
             try:
@@ -121,13 +124,16 @@ class _Host:
     def _started(self) -> subprocess.Popen[bytes]:
         if self._process is None or self._process.poll() is not None:
             self._end()
-            self._process = subprocess.Popen(
-                [sys.executable, "-c", _BOOTSTRAP],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                env={**clean_environment(os.environ, self._passed), **numerics()},
-                start_new_session=True,
-            )
+            try:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-c", _BOOTSTRAP],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    env={**clean_environment(os.environ, self._passed), **numerics()},
+                    start_new_session=True,
+                )
+            except OSError as error:
+                raise NoProcessError(f"no process for forward models could be started: {error}") from error
             self._send_all(self._process, json.dumps({"path": sys.path}).encode() + b"\n")
         return self._process
 

@@ -14,6 +14,7 @@ from geoswarm.solver.errors import BrokenForwardModelError, ProblemError
 from geoswarm.solver.forward.registry import read_foreign_sections
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner import isolated, isolated_host
+from geoswarm.solver.runner.evaluator import NoProcessError
 from tests.attacks.attacks import bad
 
 
@@ -64,6 +65,16 @@ def test_what_a_model_raises_is_an_issue_of_the_problem_as_where_it_is_built() -
         with pytest.raises(ProblemError) as error:
             parse_problem(bad() | {"forward_model": {"kind": "bad", **section}})
         assert error.value.issues[0].path.startswith("forward_model"), section
+
+
+def test_without_a_process_to_spare_no_model_is_to_blame(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise BlockingIOError("none left")
+
+    monkeypatch.setattr("subprocess.Popen", refuse)
+    install(isolated._Host(1000.0, (), 60.0))
+    with pytest.raises(NoProcessError, match="none left"):
+        parse_problem(bad())
 
 
 def test_a_model_that_ends_its_process_ends_nothing_else() -> None:
