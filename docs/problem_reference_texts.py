@@ -83,7 +83,9 @@ inside a number has split it. The file's path is relative to the problem file.
 
 `sort: true` puts readings in the order of x. Where several have one x, `repeated_x: average` takes their mean and
 `shift` spreads them evenly up to the next x. No mean is taken across a load of a test in stages: different readings at
-its moment need `shift`, by which the first is the one before the load. A logger's many readings become few by
+its moment need `shift`, by which the first is the one before the load. Several gauges can be averaged there, too, if
+every x has a reading of each: as many readings at the load are those before it; of twice as many the first half, and
+the mean of the others is placed halfway to the next x, as by `shift`. A logger's many readings become few by
 `resample: {per_decade: 20}`,
 means of the readings in intervals of equal length in log x, or `{every: 10}`, of so many in a row; above 20 000
 points of a series a warning asks for it. Thinning does not change the weight of a series: the weights w_h of the

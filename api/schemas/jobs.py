@@ -11,8 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
-from geoswarm.records.attempt import Attempt
-from geoswarm.records.evaluation import Evaluation, Response
+from geoswarm.records.evaluation import Attempt, Evaluation, Response
 from geoswarm.records.generation import Generation
 from geoswarm.records.job import Job
 from geoswarm.records.statistics import WeightShare

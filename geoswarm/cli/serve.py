@@ -143,6 +143,7 @@ def serve_command(
     --owner NAME --role admin' on the same database, or give GEOSWARM_API_KEY.
     """
     from geoswarm.api import ApiSettings, bind, serve
+    from geoswarm.solver.runner.isolated import isolate_foreign_models
     from geoswarm.workers.access.keys import ApiKeys
     from geoswarm.workers.hosts.engine import open_engine
     from geoswarm.workers.settings import Settings
@@ -160,6 +161,8 @@ def serve_command(
                 refuse_open_door(host, api_key, settings)
             keys = ApiKeys(engine.service.store).used()
             api_settings = api_settings.model_copy(update={"require_key": keys})
+            if settings.isolate and api_settings.heavy_processes:  # else requests that calculate are answered here
+                isolate_foreign_models(settings.build_memory_mb, settings.passed_environment)
             engine_name = "remote workers" if settings.broker_url else f"{settings.workers} worker processes"
             serve(
                 engine.service,

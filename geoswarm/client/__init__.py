@@ -44,8 +44,7 @@ from geoswarm.client.models import (
     WarmStart,
 )
 from geoswarm.client.points import PointParameter, Points, PointSeries
-from geoswarm.records.attempt import Attempt
-from geoswarm.records.evaluation import Best, Evaluation, Response
+from geoswarm.records.evaluation import Attempt, Best, Evaluation, Response
 from geoswarm.records.event import Event
 from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
 from geoswarm.records.generation import Generation

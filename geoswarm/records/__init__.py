@@ -9,10 +9,10 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``page``        one page of a listing
 ``job``         a job
 ``generation``  one cycle of its search
-``evaluation``  one forward calculation, its columns in tables, the best one
-``attempt``     one of several tries at it
+``evaluation``  one forward calculation, its attempts, its columns in tables, the best one
 ``event``       what happens to a job
 ``fit``         measured points with what was calculated there
+``remedy``      what to do about a finding
 ``statistics``  what the stored evaluations of a job tell
 ``uncertainty`` what its follow-ups have found, a sample of the posterior
 ``worker``      who runs forward calculations

@@ -1,4 +1,4 @@
-"""One forward calculation of a job, its columns in tables, and the best of all."""
+"""One forward calculation of a job, its attempts, its columns in tables, and the best of all."""
 
 from __future__ import annotations
 
@@ -9,7 +9,21 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 from geoswarm.records.record import Number, record, told
 from geoswarm.records.states import EvaluationState
 
-__all__ = ["COLUMNS", "Best", "Column", "Evaluation", "Response"]
+__all__ = ["COLUMNS", "Attempt", "Best", "Column", "Evaluation", "Response"]
+
+
+@record
+class Attempt:
+    """One attempt at an evaluation."""
+
+    number: int
+    worker: str | None
+    outcome: str = told("running, finished, the kind of failure, or why it does not count: late, overdue, stopped")
+    counted: bool = told("it gave the evaluation's result")
+    message: str | None
+    log: str | None = told("end of what the forward model wrote")
+    started_at: datetime | None
+    finished_at: datetime | None
 
 
 @record

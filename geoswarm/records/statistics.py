@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal, TypeAlias
 
 from geoswarm.records.record import Number, record, told
+from geoswarm.records.remedy import Proposal, Remedy
 
 __all__ = [
     "Basins",
@@ -15,7 +16,6 @@ __all__ = [
     "Evidence",
     "FitKind",
     "FitVerdict",
-    "FittedLine",
     "KnownOrEstimated",
     "LackOfFit",
     "Linearisation",
@@ -25,7 +25,6 @@ __all__ = [
     "ParameterWithoutTests",
     "Place",
     "Projection",
-    "Proposal",
     "Residuals",
     "ReweightAnswer",
     "SampleCounts",
@@ -135,34 +134,6 @@ class Evidence:
 
 
 @record(closed=True)
-class FittedLine:
-    """Line through the good fits, by which one parameter may be linked to another."""
-
-    parameter: str
-    partner: str
-    scale: Literal["linear", "log"]
-    intercept: float
-    slope: float
-    lower: float
-    upper: float
-    residual: Number
-    correlation: float
-    count: int
-    expression: str
-
-
-@record(closed=True)
-class Proposal:
-    """Something to do about a parameter."""
-
-    kind: Literal["fix", "link", "widen", "add_test"]
-    parameter: str
-    sentence: str
-    changes: dict[str, Any] = told("parts of the problem to replace")
-    line: FittedLine | None
-
-
-@record(closed=True)
 class Verdict:
     """What the data say about one parameter."""
 
@@ -198,6 +169,7 @@ class Verdict:
     sentence: str = told("all of it")
     evidence: Evidence
     proposals: list[Proposal]
+    what_to_do: list[Remedy]
 
 
 @record(closed=True)
@@ -227,7 +199,8 @@ class FitVerdict:
     headline: str = told("what stands above all results; empty where nothing has to")
     sentence: str
     misfits: list[Misfit]
-    remedies: list[str]
+    remedies: list[str] = told("the texts of what_to_do")
+    what_to_do: list[Remedy]
     level: float = told("probability of doubting a right model")
 
 
@@ -396,6 +369,7 @@ class Basins:
     unfinished: list[OtherFit] = told("runs that point to another basin that was not explored")
     untried: list[tuple[str, str]] = told("pairs of parameters that may be exchangeable: swapped values were not run")
     sentence: str = told("restriction of every interval at the optimum, with that share")
+    what_to_do: list[Remedy] = told("explore, where another basin is likely or could hide")
 
 
 @record(closed=True)

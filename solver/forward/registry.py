@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, LiteralString
 
 from pydantic import BeforeValidator, SerializeAsAny, ValidationError, WithJsonSchema
@@ -34,6 +34,7 @@ __all__ = [
     "kinds",
     "offered_kinds",
     "parse_spec",
+    "read_foreign_sections",
     "sketches_of",
 ]
 
@@ -70,6 +71,8 @@ PROGRAMS_REFUSED = (
 _MOST_SKETCHES = 12
 
 log = logging.getLogger(__name__)
+
+_foreign_reader: Callable[[Mapping[str, Any]], ForwardModelSpec] | None = None
 
 _installed: Installed[type[ForwardModelSpec]] = Installed(
     "forward model",
@@ -171,6 +174,12 @@ def forget() -> None:
     _installed.forget()
 
 
+def read_foreign_sections(reader: Callable[[Mapping[str, Any]], ForwardModelSpec] | None) -> None:
+    """Have sections of models of other packages read by a function from now on; None: their classes are imported."""
+    global _foreign_reader
+    _foreign_reader = reader
+
+
 def parse_spec(section: Any) -> ForwardModelSpec:
     """Validate a ``forward_model`` section by the class of its kind, strictly: no text or truth value as a number.
 
@@ -184,6 +193,8 @@ def parse_spec(section: Any) -> ForwardModelSpec:
     if not isinstance(section, Mapping):
         raise _refused((), "a forward model is a mapping with a kind; known kinds: {known}", section, _known())
     kind = section.get("kind")
+    if _foreign_reader is not None and kind not in BUILT_IN and kind in kinds():
+        return _foreign_reader(section)
     if not isinstance(kind, str):
         raise _refused(("kind",), "give the kind of forward model as text; known kinds: {known}", kind, _known())
     try:

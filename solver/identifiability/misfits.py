@@ -1,4 +1,4 @@
-"""Where a model does not describe the data, by how much, and what to do about it: in words."""
+"""Where a model does not describe the data, and by how much, in words; :mod:`.remedies` says what to do about it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.problem.checks.consolidation import find_consolidation
-from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.units import convert
 from geoswarm.solver.words import listed
 
-__all__ = ["DOES_NOT_HOLD", "SHORT", "UNITS_FIRST", "Misfit", "headline_of", "remedies_of", "sentence_of"]
+__all__ = ["DOES_NOT_HOLD", "SHORT", "Misfit", "headline_of", "sentence_of"]
 
 _NO_UNITS = ("", "1", "-", "dimensionless")
 _MOST_NAMED = 3
@@ -22,12 +20,6 @@ DOES_NOT_HOLD = {
     "error_not_met": "the stated error is not met: the interval is too narrow",
 }
 """What stands beside an interval, by the kind of the verdict on the fit."""
-
-UNITS_FIRST = (
-    "Check the readings first: their units and columns, the zero reading and the sign, and the size and the loads of "
-    "the specimen."
-)
-"""The first thing to do about readings that are missed by far."""
 
 _HEADLINES = {
     "lack_of_fit": "The model does not describe the data",
@@ -229,39 +221,3 @@ def _spans(numbers: Sequence[int]) -> list[str]:
 
 def _amount(value: float, unit: str) -> str:
     return f"{value:.2g} {unit}".strip()
-
-
-def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[str, ...]:
-    """Say what to do; nothing that the problem does already."""
-    patterns = _patterns_of(misfits)
-    found = []
-    gross = {m.series: [n.reading for n in misfits if n.reading and n.series == m.series] for m in misfits if m.reading}
-    for series, numbers in gross.items():
-        several = ", ".join(map(str, sorted(numbers)))
-        found.append(
-            f"Look up reading{'s' if len(numbers) > 1 else ''} {several} of {series}: correct a slip, leave it out as "
-            f"a gross error (gross_errors: [{several}]), or take `loss: soft_l1` for the series."
-        )
-    if any(m.reason == "missed" for m in misfits):
-        found.append(UNITS_FIRST)
-    staged = [m.series for m in patterns if stage_times(problem.forward_model, m.series).size > 1]
-    primary = [p for p in find_consolidation(problem) if p.series in staged]
-    found += [p.sentence for p in primary]
-    whole = [o for o in problem.observations if o.series in staged and "stage_x_from" not in o.selection]
-    if whole and not primary:
-        found.append(
-            "Primary consolidation is not part of the soil laws: leave out readings before its end in every stage "
-            "(stage_x_from in the observation), or calibrate stage_settlement, the values at the ends of the stages."
-        )
-    if patterns:
-        found.append(
-            "Look at the fit: leave out what the model does not contain (x_from, x_to, leave_out_stages), free a "
-            "parameter that is fixed, or take another law."
-        )
-        found.append(
-            "If the model is right and the readings drift or depend on one another, only the intervals are wrong: "
-            "thin the readings out until the residuals no longer follow one another."
-        )
-    if any(m.reason == "stated_error" for m in misfits):
-        found.append("State the error that the readings have, or leave 'error' out: it is then estimated.")
-    return tuple(found)

@@ -32,6 +32,7 @@ MANY_POINTS = 20_000
 _INDEPENDENT_SHARE = 18.0 / 35.0
 """Degrees of freedom of the variance from second differences, for each: they overlap."""
 _BY_CHANCE = 0.01
+_FEWEST_TIMES = 2  # other than loads, with a reading of each gauge
 
 
 class Resample(Section):
@@ -145,12 +146,17 @@ def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[st
     if wanted.repeated_x == "shift":
         x = _spread(x)
         done.append("readings at equal x were spread evenly up to the next x")
+    gauges = _gauges(x, wanted)
+    if gauges > 1:
+        x, told = _apart(x, gauges, wanted.loads)
+        done += told
     begins, notes = _groups(x, columns["count"] if readings.weight is None else columns["weight"], wanted)
     independent, extent = readings.independent, readings.range
     if extent is not None:
         extent *= abs(wanted.y_factor)
     if len(begins) < len(x):
-        _refuse_mixed(x, columns["y"], begins, wanted.loads)
+        if gauges == 1:
+            _refuse_mixed(x, columns["y"], begins, wanted.loads)
         done += notes
         extent = float(np.ptp(columns["y"])) if extent is None else extent
         if wanted.error is not None and independent is None:
@@ -186,6 +192,31 @@ def _groups(x: FloatArray, weight: FloatArray, wanted: Preparation) -> tuple[Int
         begins = begins[np.union1d(_resampled(_mean(begins, x, weight), wanted.resample), firsts)]
         notes.append(f"{wanted.resample.in_words()}: {len(begins)} points of {before} readings")
     return begins, notes
+
+
+def _gauges(x: FloatArray, wanted: Preparation) -> int:
+    """How many gauges were read at every x of an average: as many readings, or twice as many at the moment of a load.
+
+    1 where that cannot be: then equal x at a load are readings before and after it.
+    """
+    places, counts = np.unique(x, return_counts=True)
+    loaded = at_load(places, np.array(wanted.loads))
+    number = int(counts.min()) if wanted.repeated_x == "average" and (~loaded).sum() >= _FEWEST_TIMES else 1
+    return number if (counts[~loaded] == number).all() and np.isin(counts[loaded], (number, 2 * number)).all() else 1
+
+
+def _apart(x: FloatArray, gauges: int, loads: tuple[float, ...]) -> tuple[FloatArray, list[str]]:
+    """Move readings after a load halfway to the next x, as ``shift`` does, where those before it have the same x."""
+    begins = np.flatnonzero(np.diff(x, prepend=np.nan) != 0)
+    twice = begins[(np.diff(np.append(begins, len(x))) == 2 * gauges) & at_load(x[begins], np.array(loads))]
+    if not twice.size:
+        return x, []
+    steps = np.diff(np.append(x[begins], 2.0 * x[-1] - x[begins[-2]]))
+    moved = x.copy()
+    for first in twice:
+        moved[first + gauges : first + 2 * gauges] += 0.5 * steps[begins == first]
+    said = f"at a load, the first {gauges} of {2 * gauges} readings are those before it"
+    return moved, [f"{said}, and the mean of the others is halfway to the next x"]
 
 
 def _refuse_mixed(x: FloatArray, y: FloatArray, begins: IntArray, loads: tuple[float, ...]) -> None:

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 __all__ = ["AT_LOAD", "at_load", "same_x_remedy", "section_of_test", "stage_of", "stage_times"]
 
 AT_LOAD = (
-    "repeated_x: shift takes the first as the reading before the load and spreads the others up to the next x; "
-    "or keep one of them"
+    "repeated_x: shift takes the first as the reading before the load and spreads the others up to the next x; average "
+    "takes the mean of several gauges, where every x has a reading of each; or keep one of them"
 )
 """Remedy for several readings at the moment of a load."""
 

@@ -51,10 +51,10 @@ Source: TypeAlias = Literal["auto", "posterior", "covariance"]
 DEFAULT_RUNS, DEFAULT_LEVEL, DEFAULT_DRAWS = 200, 0.9, 8
 _FEWEST_RUNS = 20
 
-_NOT_THERE = "the sensitivities at the optimum are needed first; 'geoswarm sensitivity' evaluates them"
+_NOT_THERE = "the sensitivities at the optimum are needed first: start the follow-up sensitivity"
 _MISPLACED = (
-    "the sensitivities are those of a point {far:.1f} standard errors from the minimum; 'geoswarm sensitivity' goes "
-    "there first"
+    "the sensitivities are those of a point {far:.1f} standard errors from the minimum: start the follow-up "
+    "sensitivity again, which goes there first"
 )
 _WIDER: dict[DependenceKind, str] = {
     "correlated": "the residuals are correlated",
@@ -315,7 +315,7 @@ def _said(known: Known, sample: ParameterSample | None) -> list[str]:
     hidden = known.statistics.basins.hidden
     if is_sparse(hidden):
         said.append(
-            f"another basin could still hide in {share(hidden)} of the searched space, which takes no part; "
-            "'geoswarm explore' looks there"
+            f"another basin could still hide in {share(hidden)} of the searched space, which takes no part: "
+            "the follow-up explore looks there"
         )
     return said

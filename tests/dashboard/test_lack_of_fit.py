@@ -36,7 +36,10 @@ def test_the_pages_begin_with_what_is_wrong(embedded: Site, visit: Visit, bent: 
     alarm = page.locator("#alarm")
     expect(alarm).to_contain_text("The model does not describe the data", timeout=SOON)
     expect(alarm).to_contain_text("What to do")
-    expect(alarm).to_contain_text("x_from")
+    expect(alarm).to_contain_text("leave out what the model does not contain (“From”, “To”, “Stages to leave out”)")
+    expect(alarm).not_to_contain_text("x_from")
+    offered = 1 if path else 0  # on the page of the job the next step is this
+    expect(alarm.get_by_role("link", name="Change the problem")).to_have_count(offered)
     sentence = page.context.request.get(f"/api/v1/jobs/{bent}/statistics").json()["fit"]["sentence"]
     expect(page.get_by_text(sentence)).to_have_count(1)
     expect(page.locator(".card.identified")).to_have_count(0)

@@ -10,6 +10,7 @@ import threading
 from collections.abc import Mapping
 from typing import Any
 
+from geoswarm.solver.runner.isolated import isolate_foreign_models
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.execution.slots import Slots
 from geoswarm.workers.execution.worker import Worker
@@ -31,6 +32,8 @@ def main(given: Mapping[str, Any]) -> None:
     start_logging(given["log_level"])
     start_tracing("worker")
     settings = Settings(**given["settings"])
+    if settings.isolate:
+        isolate_foreign_models(settings.build_memory_mb, settings.passed_environment)
     read_end, write_end = given["doorbell"]
     doorbell = PipeDoorbell(settings.workers, (read_end, write_end))
     identity = Identity(given["worker_id"], socket.gethostname(), os.getpid(), this_machine(), "embedded")

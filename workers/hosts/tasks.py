@@ -14,6 +14,7 @@ from celery import current_app, shared_task
 from celery.signals import worker_init, worker_process_init, worker_process_shutdown, worker_shutting_down
 
 from geoswarm.solver.kernels.cache import settle
+from geoswarm.solver.runner.isolated import isolate_foreign_models
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.system.processes import kill_descendants
 from geoswarm.workers.errors import StoreUnavailableError
@@ -101,6 +102,8 @@ def _insist_on_end() -> None:
 def _open(**_: Any) -> None:
     global _process
     settings: Settings = current_app.geoswarm_settings
+    if settings.isolate:
+        isolate_foreign_models(settings.build_memory_mb, settings.passed_environment)
     store = Store(settings)
     doorbell = CeleryDoorbell(settings)
     worker = Worker(store, doorbell, settings, Identity.new("celery"), Slots(settings.slots, _slots))

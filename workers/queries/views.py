@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.records.attempt import Attempt
-from geoswarm.records.evaluation import COLUMNS, Evaluation, Response
+from geoswarm.records.evaluation import COLUMNS, Attempt, Evaluation, Response
 from geoswarm.records.event import Event
 from geoswarm.records.generation import Generation
 from geoswarm.records.job import Job, SearchBest

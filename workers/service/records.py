@@ -10,8 +10,7 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from geoswarm.records.attempt import Attempt
-from geoswarm.records.evaluation import Evaluation
+from geoswarm.records.evaluation import Attempt, Evaluation
 from geoswarm.records.event import Event
 from geoswarm.records.generation import Generation
 from geoswarm.records.page import Page

@@ -1,6 +1,6 @@
 // What stands before everything: where the model does not describe the data, by how much, and what to do.
-import { withButtons } from "./costs.js";
 import { element } from "./dom.js";
+import { remedyWords } from "./remedies.js";
 
 /** Kinds of verdicts, on the fit and on parameters, with which intervals do not hold. */
 export const WRONG = new Set(["lack_of_fit", "error_not_met"]);
@@ -11,9 +11,11 @@ export function doubt(fit) {
   return fit && WRONG.has(fit.kind) ? fit.headline : "";
 }
 
-/** The elements of the alarm of a verdict on the fit; none where nothing is wrong. */
-export function alarm(fit) {
+/** The elements of the alarm of a verdict on the fit; none where nothing is wrong. With a job, a link to its problem. */
+export function alarm(fit, job) {
   if (!fit?.headline) return [];
-  return [element("section", { class: "alarm", role: "alert" }, element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`), element("p", {}, withButtons(fit.sentence)),
-    element("p", {}, element("strong", {}, "What to do:")), element("ol", {}, fit.remedies.map((text) => element("li", {}, text))))];
+  const editable = job && document.body.dataset.maySubmit === "true" && fit.what_to_do.some(({ changes }) => changes.length);
+  return [element("section", { class: "alarm", role: "alert" }, element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`), element("p", {}, fit.sentence),
+    element("p", {}, element("strong", {}, "What to do:")), element("ol", {}, fit.what_to_do.map((remedy) => element("li", {}, remedyWords(remedy)))),
+    editable ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem")) : null)];
 }

@@ -12,11 +12,6 @@ export const BUTTONS = {
 };
 const LONG = 60; // s
 
-/** A sentence with buttons of the page Statistics in place of commands: 'geoswarm explore' is one of them here. */
-export function withButtons(sentence) {
-  return sentence.replace(/'geoswarm (sensitivity|profile|explore)'/g, (_, kind) => `“${BUTTONS[kind]}”`);
-}
-
 /** "about 40 runs, about 2 min"; a cost as GET …/follow-ups tells it. */
 export function costWords({ evaluations, exact, seconds }) {
   const runs = `${exact ? "" : "about "}${count(evaluations)} run${evaluations === 1 ? "" : "s"}`;

@@ -1,6 +1,5 @@
 // What is identified, how well, and what to do next.
 import { alarm, doubt } from "./alarm.js";
-import { withButtons } from "./costs.js";
 import { announce, connection, element, exchange } from "./dom.js";
 import { count, number, objectiveUnit } from "./format.js";
 import { address, get } from "./http.js";
@@ -241,10 +240,12 @@ function showStatistics(statistics) {
   settled();
   const { threshold, verdicts, correlations, fit } = statistics;
   const warnings = [...(fit.kind === "untested" ? [fit.sentence] : []), ...statistics.warnings]; // all else is in the alarm
-  place("alarm").replaceChildren(...alarm(fit));
+  place("alarm").replaceChildren(...alarm(fit, job));
   parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;
-  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, withButtons(text))));
-  place("verdicts").replaceChildren(...verdictCards(verdicts, parts.units, parts.plan));
+  const start = parts.plan ? (kind) => parts.uncertainty.start(kind) : null;
+  const steps = [...(fit.kind === "untested" ? fit.what_to_do : []), ...statistics.basins.what_to_do];
+  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, text)), ...followUps(steps, start).map((step) => element("li", {}, step)));
+  place("verdicts").replaceChildren(...verdictCards(verdicts, parts.units, parts.plan, start));
   const details = place("correlations");
   details.replaceChildren(details.querySelector("summary"), correlationTable(correlations));
   const query = { threshold: threshold.origin === "given" ? threshold.value : null };

@@ -139,8 +139,6 @@ def run_command(
         show_fit(fit)
         show_result(loaded, result, statistics)
     if folder is not None:
-        if report is not None and figures:
-            note(f"Writing the report and {len(report.figures.names)} figures")
         with kept(folder, problem):
             written = write_output(result, folder, report, figures=figures)
         if not as_json:

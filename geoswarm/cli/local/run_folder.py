@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from geoswarm.cli.service.progress import counted
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, note, number, reasons_in_words
 from geoswarm.cli.words.result import show_fit, show_values
@@ -133,6 +134,7 @@ def write_output(result: CalibrationResult, folder: RunFolder, report: Report | 
     """Write all files of a result; without figures the tables only."""
     written = folder.finish(result, report)
     if report is not None and figures:
-        written += report.save(folder.folder)
+        with counted(f"Writing the report and {len(report.figures.names)} figures to {folder.folder}") as told:
+            written += report.save(folder.folder, told=told)
     folder.complete()
     return written

@@ -89,7 +89,7 @@ def _show(name: str, found: Mapping[str, Any]) -> None:
     click.secho(name, bold=True)
     show_fit(found["fit"])
     for verdict in found["verdicts"]:
-        click.echo(f"  {verdict['sentence']}")
+        click.echo(f"  {' '.join((verdict['sentence'], *(remedy['text'] for remedy in verdict['what_to_do'])))}")
     rows = [(key, p["sentence"]) for key, p in proposals_by_key(found).items()]
     if rows:
         echo_table(None, ("--accept", "proposal"), rows)
@@ -117,6 +117,8 @@ def _show(name: str, found: Mapping[str, Any]) -> None:
     echo_facts(None, facts)
     for warning in found["warnings"]:
         note(f"Warning: {warning}")
+    for remedy in found["basins"]["what_to_do"]:
+        note(f"Next: {remedy['text']}")
 
 
 def _follow_up(

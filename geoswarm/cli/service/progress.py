@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeAlias
 
-from geoswarm.cli.words.output import number, progress_console
+from geoswarm.cli.words.output import note, number, progress_console
 
-__all__ = ["Update", "progress_bar"]
+__all__ = ["Update", "counted", "progress_bar"]
 
 Update: TypeAlias = Callable[[int, int, float | None, int | None, int | None], None]
 """Called with evaluations so far, number of the last finished generation, best objective so far, and evaluations of a
@@ -17,6 +17,23 @@ search that has ended with how many may follow it."""
 
 _BAR, _SHORTEST_NAME = 14, 8
 _BESIDE_THE_NAME = 64  # bar, numbers and time
+
+
+@contextmanager
+def counted(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Say what is done in the body; on a terminal with "3 of 9", by what the body tells, until it has ended."""
+    if not sys.stderr.isatty():
+        note(what)
+        yield lambda _done, _of: None
+        return
+    from rich.text import Text
+
+    with progress_console().status(Text(what)) as status:
+
+        def told(done: int, of: int) -> None:
+            status.update(Text(f"{what}: {done} of {of}"))
+
+        yield told
 
 
 @contextmanager

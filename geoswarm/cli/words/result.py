@@ -24,7 +24,7 @@ def show_fit(fit: Mapping[str, Any] | None) -> None:
     if fit is None or fit["kind"] == "describes":
         return
     if fit["kind"] == "untested":
-        note(f"Note: {fit['sentence']}")
+        note(f"Note: {' '.join((fit['sentence'], *fit['remedies']))}")
         return
     click.secho(fit["headline"].upper(), bold=True, fg="red")
     click.echo(textwrap.fill(fit["sentence"], _WIDTH, initial_indent="  ", subsequent_indent="  "))
@@ -76,7 +76,9 @@ def show_values(
     doubtful = [verdict for verdict in found["verdicts"] if verdict["kind"] != "identified"]
     for verdict in doubtful:
         click.echo(textwrap.fill(verdict["sentence"], _WIDTH, initial_indent="  ", subsequent_indent="    "))
-    steps = [proposal["sentence"] for verdict in doubtful for proposal in verdict["proposals"]]
+    steps = [remedy["text"] for verdict in doubtful for remedy in verdict["what_to_do"]]
+    steps += [proposal["sentence"] for verdict in doubtful for proposal in verdict["proposals"]]
+    steps += [remedy["text"] for remedy in found["basins"]["what_to_do"]]
     if steps:
         click.echo(textwrap.fill(f"Next: {steps[0]}", _WIDTH, initial_indent="  ", subsequent_indent="    "))
 

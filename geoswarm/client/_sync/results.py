@@ -12,8 +12,7 @@ from geoswarm.client.bodies import Mesh, MeshFields
 from geoswarm.client.calls import Call, job_path, nothing, present, reader
 from geoswarm.client.files import partial_file
 from geoswarm.client.points import Points, read_points
-from geoswarm.records.attempt import Attempt
-from geoswarm.records.evaluation import Best, Evaluation
+from geoswarm.records.evaluation import Attempt, Best, Evaluation
 from geoswarm.records.fit import Fit
 from geoswarm.records.generation import Generation
 from geoswarm.records.page import Page

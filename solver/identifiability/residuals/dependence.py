@@ -98,8 +98,7 @@ class Dependence:
             )
         return (
             f"{self.series}: the size of the residuals changes with x; intervals allow for that, standard errors do "
-            "not, and weights from their spread would make better use of the readings (geoswarm reweight --weighting "
-            "by_spread)."
+            "not, and weights from their spread (weighting by_spread) would make better use of the readings."
         )
 
 

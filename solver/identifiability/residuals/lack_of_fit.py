@@ -17,7 +17,8 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability.misfits import UNITS_FIRST, Misfit, headline_of, remedies_of, sentence_of
+from geoswarm.solver.identifiability.misfits import Misfit, headline_of, sentence_of
+from geoswarm.solver.identifiability.remedies import Remedy, follow_up, remedies_of
 from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, excluded_readings
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
 from geoswarm.solver.identifiability.residuals.readings import (
@@ -59,7 +60,7 @@ _ERROR_RATIO = 1.2  # residuals that exceed the stated error by less are let pas
 _FAR = 4.0  # mean square of what a step to the minimum would take away, over that of the rest
 _SLIPS = (0.1, 10.0, 0.01, 100.0, 1e-3, 1e3, -1.0)  # of a decimal point, or a sign
 _FITS = 3.0  # standard deviations
-_NOT_YET = "the best parameters are not the minimum yet; polish them first (geoswarm sensitivity)"
+_NOT_YET = "the best parameters are not the minimum yet; polish them first"
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,7 @@ class FitVerdict:
     misfits
         Where, the clearest first.
     remedies
-        What to do, in sentences.
+        What to do.
     level
         Of the test.
     """
@@ -85,7 +86,7 @@ class FitVerdict:
     kind: FitKind
     sentence: str
     misfits: tuple[Misfit, ...] = ()
-    remedies: tuple[str, ...] = ()
+    remedies: tuple[Remedy, ...] = ()
     level: float = LEVEL
 
     @property
@@ -100,13 +101,14 @@ class FitVerdict:
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
-        lists = {"misfits": [asdict(m) for m in self.misfits], "remedies": list(self.remedies)}
-        return asdict(self) | lists | {"headline": self.headline, "words": FITS[self.kind]}
+        remedies = [remedy.to_json() for remedy in self.remedies]
+        lists = {"misfits": [asdict(m) for m in self.misfits], "remedies": [one["text"] for one in remedies]}
+        return asdict(self) | lists | {"what_to_do": remedies, "headline": self.headline, "words": FITS[self.kind]}
 
 
-def untested(why: str) -> FitVerdict:
+def untested(why: str, *remedies: Remedy) -> FitVerdict:
     """The verdict where nothing could be tested."""
-    return FitVerdict("untested", f"Whether the model describes the data was not tested: {why}.")
+    return FitVerdict("untested", f"Whether the model describes the data was not tested: {why}.", (), remedies)
 
 
 def unfit_readings(problem: Problem) -> FitVerdict | None:
@@ -115,7 +117,7 @@ def unfit_readings(problem: Problem) -> FitVerdict | None:
     if not doubts:
         return None
     each = ". ".join(f"{doubt.series}: {doubt.message}" for doubt in doubts)
-    return FitVerdict("lack_of_fit", f"The readings do not fit this specimen. {each}.", (), (UNITS_FIRST,))
+    return FitVerdict("lack_of_fit", f"The readings do not fit this specimen. {each}.", (), (Remedy("check_readings"),))
 
 
 def examine_fit(
@@ -154,7 +156,7 @@ def examine_fit(
     rho = readings.scaled * readings.factors
     along, rest = along_and_rest(rho, basis)
     if known is None and rank and not met_to_rounding(readings.observed, responses) and along > _FAR * rest:
-        return untested(_NOT_YET)
+        return untested(_NOT_YET, follow_up("sensitivity"))
     readings, deviations = by_noise(readings, known)
     gross, excluded = _gross(readings, deviations, known)
     exceeded = [] if known is None else _exceeded(readings, deviations)
@@ -167,7 +169,7 @@ def examine_fit(
         along, rest = along_and_rest(readings.scaled / deviations, weighted_basis(readings.weighted))
         moved = rank and along > _FAR * max(rest, 1.0)  # what the others say of themselves is known at their minimum
         if moved and not gross:
-            return untested(_NOT_YET)
+            return untested(_NOT_YET, follow_up("sensitivity"))
         if moved or free < FEWEST_FREE:  # too few for a pattern; their size tells from the first on
             return _verdict(calibration.problem, [*gross, *exceeded], patterns=False)
     parts, places = _parts(calibration.problem, readings)

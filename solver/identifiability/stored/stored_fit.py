@@ -9,6 +9,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
+from geoswarm.solver.identifiability.remedies import follow_up
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit, unfit_readings, untested
 from geoswarm.solver.identifiability.samples import Samples
 
@@ -41,9 +42,7 @@ def fit_of_samples(
         return unfit
     known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)
     if samples.size and samples.unbiased.all():
-        return untested(
-            "the best of a sampling is not an optimum; 'geoswarm sensitivity' goes to the optimum and tests it"
-        )
+        return untested("the best of a sampling is not an optimum", follow_up("sensitivity"))
     dimension = samples.dimension
     if not samples.responses:
         return untested("the responses of the evaluations are not stored")

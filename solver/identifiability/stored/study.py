@@ -21,6 +21,7 @@ from geoswarm.solver.identifiability.optimum.basins import (
 )
 from geoswarm.solver.identifiability.optimum.hidden import Unseen, hidden_share, is_sparse
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
+from geoswarm.solver.identifiability.remedies import Remedy, follow_up
 from geoswarm.solver.identifiability.residuals.independence import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.residuals.readings import is_exact
@@ -56,12 +57,12 @@ EXCHANGE = (
 
 SPARSE_RUNS = (
     "Intervals hold within the basin of the optimum, and a basin like this one could still hide in {hidden} of the "
-    "searched space, where no run came near: 'geoswarm explore' spends runs where it is most likely."
+    "searched space, where no run came near."
 )
 
 UNFINISHED = (
     "A run points to another basin that the search did not explore: {values} (objective {objective:.4g} against "
-    "{best:.4g} at the optimum). 'geoswarm explore' goes there."
+    "{best:.4g} at the optimum)."
 )
 
 _NEARLY_ALL = 0.99  # of the objective: what a step to the minimum takes off is no error of readings
@@ -109,6 +110,11 @@ class Basins:
     unfinished: tuple[OtherFit, ...] = ()
     untried: tuple[tuple[str, str], ...] = ()
 
+    @property
+    def remedies(self) -> tuple[Remedy, ...]:
+        """What to do: explore, where another basin is likely or could hide."""
+        return (follow_up("explore"),) if self.unfinished or self.untried or is_sparse(self.hidden) else ()
+
     def to_json(self, names: Sequence[str]) -> dict[str, Any]:
         """Plain JSON values."""
         return {
@@ -118,6 +124,7 @@ class Basins:
             "unfinished": [other.to_json(names) for other in self.unfinished],
             "untried": [list(pair) for pair in self.untried],
             "sentence": where_intervals_hold(self.hidden),
+            "what_to_do": [remedy.to_json() for remedy in self.remedies],
         }
 
 

@@ -131,7 +131,7 @@ def _at_optimum(name: str, kind: VerdictKind, code: VerdictCode, evidence: Evide
     if code == "nonlinear":
         return (
             f"{interval}, but the model is nonlinear there, and the interval by likelihood differs by about "
-            f"{share(found.bending_of(name))} on one side; 'geoswarm profile' calculates it"
+            f"{share(found.bending_of(name))} on one side"
         )
     width = f"{interval}, {_part(evidence)}"
     if (bound := _bound(evidence)) is not None:
@@ -141,12 +141,12 @@ def _at_optimum(name: str, kind: VerdictKind, code: VerdictCode, evidence: Evide
         where = "another basin" if len(places) == 1 else "other basins"
         return (
             f"{width}; but this holds within its basin, and stored runs point to {where}, around {name} = "
-            f"{listed(places)} that the search did not explore; 'geoswarm explore' goes there"
+            f"{listed(places)} that the search did not explore"
         )
     if code == "untried":
         return (
             f"{width}; but {name} and {listed(evidence.exchangeable, 'or')} may be exchanged for all that the stored "
-            "runs show: 'geoswarm explore' runs the optimum with their values swapped"
+            "runs show: none has tried the optimum with their values swapped"
         )
     return f"{_misfit(kind)}{width}"
 

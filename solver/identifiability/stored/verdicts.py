@@ -29,6 +29,7 @@ from typing import Any, Literal, TypeAlias
 from geoswarm.solver.identifiability.optimum.basins import OtherFit
 from geoswarm.solver.identifiability.optimum.hidden import is_sparse
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
+from geoswarm.solver.identifiability.remedies import FollowUpKind, Remedy, follow_up
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.residuals.readings import FEWEST_FREE
 from geoswarm.solver.identifiability.samples import Samples
@@ -69,6 +70,13 @@ VerdictCode: TypeAlias = Literal[
     "few_good_fits",
 ]
 """Why a verdict is of its kind; ``width``: of the good fits or the interval, with the bounds that it reaches."""
+
+_FOLLOW_UPS: dict[VerdictCode, FollowUpKind] = {
+    "not_minimum": "sensitivity",
+    "nonlinear": "profile",
+    "unexplored": "explore",
+    "untried": "explore",
+}
 
 WIDTH_LIMIT = 0.5
 """A parameter that keeps more than this share of its prior width is not identified."""
@@ -153,6 +161,11 @@ class Verdict:
     proposals: tuple[Proposal, ...] = field(default=())
 
     @property
+    def remedies(self) -> tuple[Remedy, ...]:
+        """The follow-up that would settle it, where there is one."""
+        return (follow_up(_FOLLOW_UPS[self.code]),) if self.code in _FOLLOW_UPS else ()
+
+    @property
     def words(self) -> str:
         """The kind in words, as every table shows it: "identified", or "identified within one basin"."""
         within = " within one basin" if self.kind == "identified" and self.evidence.sparse else ""
@@ -163,7 +176,8 @@ class Verdict:
         from dataclasses import asdict
 
         proposals = [proposal.to_json() for proposal in self.proposals]
-        return asdict(self) | {"words": self.words, "proposals": proposals}
+        remedies = [remedy.to_json() for remedy in self.remedies]
+        return asdict(self) | {"words": self.words, "proposals": proposals, "what_to_do": remedies}
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -145,22 +145,37 @@ class Report:
         return pdf_report(self.content)
 
     def save(
-        self, folder: Path, *, html: bool = True, pdf: bool = True, figures: Sequence[str] | None = None
+        self,
+        folder: Path,
+        *,
+        html: bool = True,
+        pdf: bool = True,
+        figures: Sequence[str] | None = None,
+        told: Callable[[int, int], None] = lambda _done, _of: None,
     ) -> list[Path]:
-        """Write report.html, report.pdf and figures (all unless named) as PNG, SVG and CSV; return the files."""
+        """Write figures (all unless named) as PNG, SVG and CSV, report.html and report.pdf; return the files.
+
+        ``told``: is called with how many figures and reports are written, and of how many.
+        """
+        reports: list[Path] = []
         written: list[Path] = []
-        if html:
-            written.append(folder / "report.html")
-            written[-1].write_text(self.html(), encoding="utf-8")
-        if pdf:
-            written.append(folder / "report.pdf")
-            written[-1].write_bytes(self.pdf())
-        for name in self.figures.names if figures is None else figures:
+        names = self.figures.names if figures is None else figures
+        of = len(names) + html + pdf
+        for done, name in enumerate(names):
+            told(done, of)
             written += save_figure(self.figures.draw(name), folder, name)
             table = folder / f"{name}.csv"
             table.write_text(self.figures.csv(name), encoding="utf-8")
             written.append(table)
-        return written
+        if html:
+            told(len(names), of)
+            reports.append(folder / "report.html")
+            reports[-1].write_text(self.html(), encoding="utf-8")
+        if pdf:
+            told(of - 1, of)
+            reports.append(folder / "report.pdf")
+            reports[-1].write_bytes(self.pdf())
+        return reports + written
 
 
 def report_of_result(

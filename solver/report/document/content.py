@@ -134,7 +134,7 @@ def _alarm(fit: FitVerdict | None, uncertainty: Uncertainty) -> Alarm | None:
     """What is wrong with the fit as a whole; None where nothing is."""
     for found in (uncertainty.findings.fit, fit):
         if found is not None and found.headline:
-            remedies = tuple(map(typeset, found.remedies))
+            remedies = tuple(typeset(remedy.text) for remedy in found.remedies)
             return Alarm(found.kind, found.headline, typeset(found.sentence), remedies)
     findings = uncertainty.findings
     alarms = [one.alarm for one in findings.predictions] + [one.alarm for one in findings.designs]
@@ -159,7 +159,8 @@ def _card(
     if polished is not None:
         remark = f"polished; best evaluation {_quantity(value, label.unit)}"
         value = polished[name]
-    proposals = tuple(typeset(proposal.sentence) for proposal in verdict.proposals)
+    proposals = tuple(typeset(one.text) for one in verdict.remedies)
+    proposals += tuple(typeset(proposal.sentence) for proposal in verdict.proposals)
     return Card(
         name,
         label.symbol,
@@ -332,8 +333,9 @@ def _notes(problem: Problem, statistics: Statistics) -> tuple[str, ...]:
         notes.append(f"{statistics.samples.failed} evaluations failed and are left out.")
     notes += not_modelled(problem)
     if statistics.fit.kind == "untested":  # all else stands at the head
-        notes.append(statistics.fit.sentence)
-    return (*notes, *(warning[:1].upper() + warning[1:] for warning in statistics.warnings))
+        notes += [statistics.fit.sentence, *(remedy.text for remedy in statistics.fit.remedies)]
+    warnings = [warning[:1].upper() + warning[1:] for warning in statistics.warnings]
+    return (*notes, *warnings, *(remedy.text for remedy in statistics.basins.remedies))
 
 
 def _r(value: float | None) -> str:

@@ -268,7 +268,8 @@ def inline_svg(figure: Figure, name: str) -> str:
 def save_figure(figure: Figure, directory: Path, name: str) -> list[Path]:
     """Write ``<name>.png`` and ``<name>.svg``."""
     written = []
-    for suffix, content in (("png", png_of(figure)), ("svg", svg_of(figure))):
+    svg = svg_of(figure)  # first, as for a page: the layout is found with the first form
+    for suffix, content in (("png", png_of(figure)), ("svg", svg)):
         path = directory / f"{name}.{suffix}"
         path.write_bytes(content)
         written.append(path)

@@ -11,7 +11,7 @@ from collections import Counter
 import pytest
 
 from geoswarm.cli.service.failures import show_failures
-from geoswarm.cli.service.progress import progress_bar
+from geoswarm.cli.service.progress import counted, progress_bar
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from tests.geoswarm.records.made import evaluation
 
@@ -91,18 +91,38 @@ def test_what_others_wrote_cannot_steer_the_terminal(capsys: pytest.CaptureFixtu
     assert "  | out\\x1b[31m\n  | next" in captured.out
 
 
-def test_a_terminal_shows_the_search_and_then_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Terminal(io.StringIO):
-        def isatty(self) -> bool:
-            return True
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
 
-    def plain(terminal: io.StringIO) -> str:
-        return re.sub("\x1b\\[[0-9;?]*[A-Za-z]", "", terminal.getvalue())
 
+def terminal_of(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "80")
-    terminal = Terminal()
-    monkeypatch.setattr("sys.stderr", terminal)
+    found = Terminal()
+    monkeypatch.setattr("sys.stderr", found)
+    return found
+
+
+def shows(terminal: Terminal, words: str) -> bool:
+    """Whether it shows words within half a minute: it is drawn ten times a second."""
+    until = time.monotonic() + 30.0
+    while words not in re.sub("\x1b\\[[0-9;?]*[A-Za-z]", "", terminal.getvalue()):
+        if time.monotonic() > until:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def test_a_terminal_shows_how_many_figures_are_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
+    with counted("Writing the report and 7 figures to out") as told:
+        told(3, 9)
+        assert shows(terminal, "Writing the report and 7 figures to out: 3 of 9")
+
+
+def test_a_terminal_shows_the_search_and_then_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = terminal_of(monkeypatch)
     with progress_bar("oedometer-san-cassiano", 1590) as update:
         for numbers, words in (
             ((1240, 3, 4.831e-9, None, None), "━ 1240 of 1590 evaluations, best 4.831e-9 0:00:"),
@@ -110,7 +130,4 @@ def test_a_terminal_shows_the_search_and_then_its_answer(monkeypatch: pytest.Mon
             ((1590, 10, 4.831e-9, None, None), "━ 1590 of 1590 evaluations, best 4.831e-9 0:00:"),
         ):
             update(*numbers)
-            until = time.monotonic() + 30.0
-            while words not in plain(terminal) and time.monotonic() < until:
-                time.sleep(0.02)  # it is drawn ten times a second
-            assert words in plain(terminal)
+            assert shows(terminal, words)

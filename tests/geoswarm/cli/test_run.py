@@ -6,12 +6,16 @@ import csv
 import json
 import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from geoswarm.cli import main
+from geoswarm.cli.words.result import show_values
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.report.document.build import Report
 from geoswarm.solver.runs import evaluators
 from geoswarm.solver.system.versions import versions
 from tests.solver.problems import decay_document
@@ -233,4 +237,28 @@ def test_the_total_time_is_that_of_the_clock(
     told = capsys.readouterr()
     assert "8 min 30 s in all, with report and figures" in told.out
     assert "time of the runs" in told.out
-    assert re.search(r"Writing the report and \d+ figures", told.err)
+    assert re.search(r"Writing the report and \d+ figures to ", told.err)
+
+
+def test_the_answer_is_shown_before_figures_are_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shown: list[str] = []
+
+    def save(report: Report, folder: Path, *, told: Callable[[int, int], None]) -> list[Path]:
+        del report, told
+        shown.append(capsys.readouterr().out)
+        return [folder / "report.html"]
+
+    monkeypatch.setattr(Report, "save", save)
+    assert main(["run", write(tmp_path), "--output", str(tmp_path / "run")]) == 0
+    assert "95 % from" in shown[0]
+    assert "root mean square" in shown[0]
+
+
+def test_the_answer_ends_with_the_next_step(capsys: pytest.CaptureFixture[str]) -> None:
+    basins = {"what_to_do": [{"text": "'geoswarm explore' searches for further basins."}]}
+    found = {"fit": {"kind": "describes"}, "linearisation": None, "verdicts": [], "basins": basins}
+    problem = parse_problem(decay_document())
+    show_values(problem, dict.fromkeys(problem.parameters, 1.0), found)
+    assert capsys.readouterr().out.endswith("  Next: 'geoswarm explore' searches for further basins.\n")

@@ -26,7 +26,7 @@ from tests.api.test_uncertainty import noisy
 from tests.contracts.repository import ROOT
 
 MODULES = (
-    *("job", "generation", "evaluation", "attempt", "event", "fit", "statistics"),
+    *("job", "generation", "evaluation", "event", "fit", "remedy", "statistics"),
     *("uncertainty", "worker", "key", "hook"),
 )
 

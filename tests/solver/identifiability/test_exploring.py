@@ -9,6 +9,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import Linearisation, Samples, StatisticsError, analyse
 from geoswarm.solver.identifiability.optimum.hidden import Unseen
+from geoswarm.solver.identifiability.remedies import follow_up
 from geoswarm.solver.identifiability.stored.exploring import explore_problem
 from geoswarm.solver.identifiability.stored.findings import Findings, findings_of
 from geoswarm.solver.identifiability.stored.follow_ups import same_question
@@ -46,7 +47,7 @@ def test_the_missed_basin_is_found_and_named() -> None:
     assert before.verdict("a").words == "identified within one basin"
     assert before.basins.hidden is not None
     assert 0.2 < before.basins.hidden < 0.5  # of the half that nobody looked at, all but a rim
-    assert any("geoswarm explore" in warning for warning in before.warnings)
+    assert before.basins.remedies == (follow_up("explore"),)
     for linearisation in (found, None):  # with and without the width of a basin
         findings = explored(problem, explore_problem(problem, samples, linearisation, seed=3, runs=60))
         assert 0 < len(findings.explored) <= 60

@@ -48,8 +48,8 @@ def test_one_reading_far_off_is_named_before_all_else() -> None:
     assert one.deviation == pytest.approx(y[16] - (a + b * 3.4), rel=1e-3)
     assert fit.sentence.startswith("Reading 17 of y (at 3.4) lies ")
     assert fit.sentence.endswith(" above what the others say.")
-    assert "gross_errors: [17]" in fit.remedies[0]
-    assert "loss: soft_l1" in fit.remedies[0]
+    assert "gross_errors: [17]" in fit.remedies[0].text
+    assert "loss: soft_l1" in fit.remedies[0].text
 
 
 @pytest.mark.parametrize(

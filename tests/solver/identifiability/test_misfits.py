@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
+from typing import get_args, get_type_hints
 
-from geoswarm.solver.identifiability.misfits import Misfit, remedies_of, sentence_of
+from geoswarm.records.remedy import Remedy as StoredRemedy
+from geoswarm.solver.identifiability.misfits import Misfit, sentence_of
+from geoswarm.solver.identifiability.remedies import FollowUpKind, RemedyKind, follow_up, remedies_of
 from tests.solver.problem.test_selection import staged
 
+ROOT = Path(__file__).parents[3]
 Q = Misfit("q", None, "pattern", 0.001, 8.1, -21.0, 0.1, None, "kPa", "%")
 END = " The parameters are those of the closest curve, and their intervals do not hold."
 
@@ -55,5 +61,34 @@ def test_stated_errors_are_told_together() -> None:
 
 def test_a_remedy_that_is_done_is_not_offered() -> None:
     missed = replace(Q, series="settlement")
-    assert any("stage_x_from" in remedy for remedy in remedies_of(staged(), [missed]))
-    assert not any("stage_x_from" in remedy for remedy in remedies_of(staged(stage_x_from=30), [missed]))
+    everything = remedies_of(staged(), [missed])
+    assert [remedy.kind for remedy in everything] == ["stage_ends", "change_model", "thin"]
+    assert everything[1].changes == ("x_from", "x_to", "leave_out_stages")
+    done = remedies_of(staged(stage_x_from=30, x_to=1440), [missed])
+    assert [remedy.kind for remedy in done] == ["change_model", "thin"]
+    assert "(x_from, leave_out_stages)" in done[0].text
+    reading = replace(Q, series="settlement", reason="gross_error", reading=3)
+    assert remedies_of(staged(), [reading])[0].changes == ("gross_errors", "loss")
+    assert remedies_of(staged(loss="soft_l1", error=0.1), [reading])[0].text == (
+        "Look up reading 3 of settlement: correct a slip or leave it out as a gross error (gross_errors: [3])."
+    )
+
+
+def test_remedies_are_records_with_a_text() -> None:
+    stated = replace(Q, series="settlement", reason="stated_error", ratio=3.0)
+    (remedy,) = remedies_of(staged(error=0.1), [stated])
+    assert remedy.to_json() == {
+        "kind": "error",
+        "series": None,
+        "values": {},
+        "changes": ["error"],
+        "text": "State the error that the readings have, or leave 'error' out: it is then estimated.",
+    }
+
+
+def test_every_remedy_has_a_text_in_files_and_words_in_the_dashboard() -> None:
+    kinds = get_args(RemedyKind)
+    words = (ROOT / "api/static/js/remedies.js").read_text(encoding="utf-8")
+    assert set(re.findall(r"^  (\w+): \(", words, re.MULTILINE)) == set(kinds)
+    assert set(get_args(get_type_hints(StoredRemedy)["kind"])) == set(kinds)
+    assert all(follow_up(kind).text.startswith(f"'geoswarm {kind}' ") for kind in get_args(FollowUpKind))

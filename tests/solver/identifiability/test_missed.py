@@ -6,7 +6,7 @@ from typing import Any
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.examples import example_file
-from geoswarm.solver.identifiability.misfits import UNITS_FIRST
+from geoswarm.solver.identifiability.remedies import Remedy
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.stored.study import analyse
@@ -34,7 +34,7 @@ def test_readings_that_no_soil_can_have_come_first() -> None:
         "The readings do not fit this specimen. settlement: the largest reading, 3.66 m, is more than the height of "
         "the specimen, 0.02021 m; in mm it would be 0.18 of it: y_unit: mm."
     )
-    assert fit.remedies == (UNITS_FIRST,)
+    assert fit.remedies == (Remedy("check_readings"),)
     found = analyse(Calibration(problem, 1), samples)
     assert found.fit == fit
     assert not {one.kind for verdict in found.verdicts for one in verdict.proposals} & {"fix", "link"}
@@ -49,7 +49,7 @@ def test_readings_that_are_missed_with_parameters_at_their_bounds() -> None:
     assert [(one.series, one.reason) for one in fit.misfits] == [("settlement", "missed")]
     assert "calculated below measured" in fit.sentence
     assert "a constant would be about as close, and parameters are at their bounds" in fit.sentence
-    assert fit.remedies[0] == UNITS_FIRST
+    assert fit.remedies[0] == Remedy("check_readings")
 
 
 def test_a_search_that_fits_is_not_missed() -> None:

@@ -34,7 +34,7 @@ CASES: list[tuple[VerdictKind, VerdictCode, Evidence, tuple[str, ...]]] = [
     ("in_combination", "tied", replace(OPTIMUM, partners=(("b", None), ("c", None))), ("b and c",)),
     ("in_combination", "correlated", replace(RUNS, **TIED), ("r = -0.97 (-0.98 to -0.95) with b", "0.62", "c", *RANGE)),
     ("undecided", "not_minimum", OPTIMUM, ("2.5 to 3.5", "3.2 standard errors")),
-    ("undecided", "nonlinear", OPTIMUM, ("2.5 to 3.5", "44%", "geoswarm profile")),
+    ("undecided", "nonlinear", OPTIMUM, ("2.5 to 3.5", "44%")),
     ("undecided", "no_error", replace(OPTIMUM, exact=True, spare=1), ("is only 1 more reading than",)),
     ("undecided", "no_error", replace(OPTIMUM, exact=True, spare=3), ("are only 3 more readings than",)),
     ("undecided", "unexplored", replace(OPTIMUM, elsewhere=(7.25, 8.5)), (*RANGE, "a = 7.25 and 8.5")),

@@ -121,6 +121,21 @@ def test_means_end_at_a_load() -> None:
     np.testing.assert_allclose(few.y * 1e3, [0.0, 1.0, 2.0], rtol=1e-12)
 
 
+def test_several_gauges_are_averaged_at_a_load_as_at_every_other_time() -> None:
+    x = [1.0, 1.0, 60.0, 60.0, 1440.0, 1440.0, 1450.0, 1450.0]
+    y = [0.0, 0.02, 0.1, 0.12, 0.2, 0.24, 0.5, 0.52]
+    (mean,) = readings_at(x, y, repeated_x="average").observations
+    np.testing.assert_allclose(mean.x * 1440.0, [1.0, 60.0, 1440.0, 1450.0], rtol=1e-12)
+    np.testing.assert_allclose(mean.y * 1e3, [0.01, 0.11, 0.22, 0.51], rtol=1e-12)
+    before_and_after = [*x[:6], 1440.0, 1440.0, *x[6:]]
+    (both,) = readings_at(before_and_after, [*y[:6], 0.4, 0.42, *y[6:]], repeated_x="average").observations
+    np.testing.assert_allclose(both.x * 1440.0, [1.0, 60.0, 1440.0, 1445.0, 1450.0], rtol=1e-12)
+    np.testing.assert_allclose(both.y * 1e3, [0.01, 0.11, 0.22, 0.41, 0.51], rtol=1e-12)
+    assert "at a load, the first 2 of 4 readings are those before it" in " ".join(both.notes)
+    with pytest.raises(ProblemError, match="average takes the mean of several gauges, where every x has a reading of"):
+        readings_at([*x[:6], 1440.0, *x[6:]], [*y[:6], 0.4, *y[6:]], repeated_x="average")
+
+
 def test_the_remedy_for_equal_times_at_a_load_is_to_shift() -> None:
     with pytest.raises(ProblemError, match=r"follows x = 1440 min \(point 1\); repeated_x: shift takes the first"):
         readings_at([1440.0, 1440.0, 1441.0], [0.1, 0.5, 0.6])

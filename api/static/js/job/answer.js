@@ -1,6 +1,5 @@
 // The answer in words, and the table of parameters: both from the statistics, so that they never disagree with these.
 import { alarm, doubt } from "../alarm.js";
-import { withButtons } from "../costs.js";
 import { announce, element, empty, exchange, svg } from "../dom.js";
 import { amount, ends, number, plain, precise, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
@@ -69,7 +68,7 @@ export function answer(view) {
       said.replaceChildren();
       return;
     }
-    document.getElementById("alarm").replaceChildren(...alarm(view.statistics.fit));
+    document.getElementById("alarm").replaceChildren(...alarm(view.statistics.fit, view.statistics.fit.kind === "lack_of_fit" ? null : view.id));
     show();
     next.show();
   }
@@ -129,7 +128,7 @@ export function answer(view) {
       element("thead", {}, element("tr", {}, heads.map((head, i) => element("th", { scope: "col", class: i === 1 ? "n" : null }, head)))),
       element("tbody", {}, job.free_parameters.map((name) => row(name, infos.get(name))))),
       given(infos),
-      level ? element("p", { class: "help" }, withButtons(view.statistics.basins.sentence)) : null,
+      level ? element("p", { class: "help" }, view.statistics.basins.sentence) : null,
       endedShort(view) ? element("p", { class: "help" }, "Values and intervals are those of the minimum that the sensitivities went to. The search had ended short of it; the fit shows its best run.") : null);
     copies.replaceChildren(ENDED.has(job.state) && view.fit ? materialButtons(materialSet(infos)) : "");
   }

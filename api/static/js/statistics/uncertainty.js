@@ -1,6 +1,6 @@
 // Follow-ups that evaluate more around the optimum, and what they have found: intervals and profiles.
 import { doubt } from "../alarm.js";
-import { BUTTONS, FOLLOW_UPS, affordable, costWords, withButtons } from "../costs.js";
+import { BUTTONS, FOLLOW_UPS, affordable, costWords } from "../costs.js";
 import { element, exchange, once } from "../dom.js";
 import { count, ends, number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
@@ -42,6 +42,13 @@ export class Uncertainty {
       const cost = this.costs.get(kind), button = this.starts.get(kind);
       if (cost) exchange(button, words, element("small", {}, cost.refused ? "" : costWords(cost)));
     }
+  }
+
+  /** As if its button had been pressed. */
+  start(kind) {
+    const button = this.starts.get(kind);
+    button.scrollIntoView({ block: "center" });
+    button.click();
   }
 
   async begin(kind, path, words) {
@@ -89,7 +96,7 @@ export class Uncertainty {
   }
 
   intervals({ linearisation, notes, fit }) {
-    const remarks = notes.map((text) => element("p", { class: "help" }, withButtons(text)));
+    const remarks = notes.map((text) => element("p", { class: "help" }, text));
     if (!linearisation) return [element("p", { class: "empty" }, "No sensitivities at the optimum have been evaluated yet."), ...remarks];
     const rows = Object.entries(linearisation.parameters).map(([name, at]) => element("tr", {}, element("th", { scope: "row" }, `${symbol(name)}${this.units[name] === "-" ? "" : ` [${this.units[name]}]`}`),
       element("td", { class: "n" }, number(at.value, 5)), element("td", { class: "n" }, number(at.standard_error, 3)),

@@ -1,18 +1,19 @@
 // What the data say about each parameter, in words, with the evidence and what to do about it.
-import { withButtons } from "../costs.js";
 import { element } from "../dom.js";
 import { coefficient as fixed, count, ends, number, percent, symbol } from "../format.js";
+import { followUps } from "../remedies.js";
 
 const SIGNS = { lack_of_fit: "≠ ", error_not_met: "≠ " };
 const BASES = { sampling: "sampling", linearisation: "sensitivities at the optimum", none: "too little" };
 const DO = { fix: "Fix", link: "Link", widen: "Widen" };
 
-/** Cards of verdicts; `plan` takes proposals, null when nothing may be submitted. */
-export function verdictCards(verdicts, units, plan) {
-  return verdicts.map(({ parameter, kind, words, sentence, evidence, proposals }) => element("article", { class: `card ${kind}`, id: `verdict-${parameter}`, "data-parameter": parameter },
+/** Cards of verdicts; `plan` takes proposals and `start` starts a follow-up, null when nothing may be submitted. */
+export function verdictCards(verdicts, units, plan, start) {
+  return verdicts.map(({ parameter, kind, words, sentence, evidence, proposals, what_to_do: remedies }) => element("article", { class: `card ${kind}`, id: `verdict-${parameter}`, "data-parameter": parameter },
     element("h3", {}, `${symbol(parameter)}${unitOf(units[parameter])}`, element("span", { class: "badge" }, `${SIGNS[kind] ?? ""}${words}`)),
-    element("p", {}, withButtons(sentence)),
+    element("p", {}, sentence),
     element("details", {}, element("summary", {}, "Evidence"), evidenceList(evidence)),
+    followUps(remedies, start),
     proposals.map((proposal) => suggestion(proposal, plan))));
 }
 
