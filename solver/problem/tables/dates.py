@@ -39,8 +39,8 @@ _BEHIND = r"(?:,?\s+(?:[-–]\s+)?(\d{1,2}):(\d{1,2})(?::(\d{1,2})(?:[.,]\d{1,6}
 _NUMBERS = re.compile(rf"(\d{{1,2}})([./-])\s?(\d{{1,2}})\2\s?(\d{{4}}|\d{{2}}){_BEHIND}", re.ASCII)
 _YEAR_FIRST = re.compile(rf"(\d{{4}})[/.](\d{{1,2}})[/.](\d{{1,2}}){_BEHIND}", re.ASCII)
 _NAMED = re.compile(
-    r"(?:(\d{1,2})(?:\.|st|nd|rd|th)?[\s/-]*([A-Za-zÄä]{3,9})[.,]?[\s/-]*"
-    r"|([A-Za-zÄä]{3,9})\.?[\s/-]*(\d{1,2})(?:st|nd|rd|th)?[.,\s/-]+)"
+    r"(?:(\d{1,2})(?:\.|[snrt][tdh])?[\s/-]*([A-Za-zÄä]{3,9})[.,]?[\s/-]*"
+    r"|([A-Za-zÄä]{3,9})\.?[\s/-]*(\d{1,2})(?:[snrt][tdh])?[.,\s/-]+)"
     rf"(\d{{4}}|\d{{2}}){_BEHIND}"
 )
 _WEEKDAY = re.compile(
@@ -49,7 +49,7 @@ _WEEKDAY = re.compile(
 _MONTHS = ("jan", "feb", "mar", "apr", "mai", "jun", "jul", "aug", "sep", "okt", "nov", "dez")
 _ALIKE = {"mär": "mar", "mrz": "mar", "mae": "mar", "may": "mai", "oct": "okt", "dec": "dez", "jän": "jan"}
 _MONTH = re.compile(
-    "jan(uar|uary)?|jänner|feb(ruar|ruary)?|mar(ch)?|mrz|m(ä|ae)r(z)?|apr(il)?|may|mai|june?|juni|july?|juli"
+    "jan(uar|uary)?|jänner|feb(ruar|ruary)?|mar(ch)?|mrz|m(ä|ae)r(z)?|apr(il)?|may|mai|jun[ei]?|jul[yi]?"
     "|aug(ust)?|sept?|september|o[kc]t(ober)?|nov(ember)?|de[zc](ember)?",
     re.IGNORECASE,
 )
