@@ -10,7 +10,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from geoswarm.solver.problem.tables.dates import is_moment, time_of_day
-from geoswarm.solver.problem.tables.headings import guess_unit, is_unit, number_with_unit, units_of, without_brackets
+from geoswarm.solver.problem.tables.headings import (
+    best_unit,
+    guess_unit,
+    is_unit,
+    number_with_unit,
+    units_of,
+    without_brackets,
+)
 from geoswarm.solver.problem.tables.numerals import two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.quantities import quantities_of
@@ -27,6 +34,7 @@ _MOST_SPARSE = 20
 _NO_UNITS = "-–—1"
 _JOINING = ("in", "/", "-", "–", ":", "|", "=")
 _MOST_HEADINGS = 4
+_LONGEST_SYMBOL = 5
 _LONG_ENOUGH = 3
 SAMPLE = 2000
 """Rows that show where a table is, and what separates its columns."""
@@ -57,8 +65,8 @@ def is_reading(cell: Cell) -> bool:
     """Whether a cell holds a number, with its unit or without, a date, a time of day or a formula."""
     if isinstance(cell, float):
         return True
-    if not cell or not (cell[0].isdigit() or cell[0] in "+-\u2212.,=("):
-        return False
+    if not cell or not (cell[0].isdigit() or cell[0] in "+-\u2212\u2013.,=("):
+        return cell[-1:].isdigit() and is_moment(cell)  # March 1, 2024
     return (
         cell_number(cell) is not None
         or cell.startswith(FORMULA)
@@ -79,7 +87,7 @@ def is_heading(cell: Cell) -> bool:
 
 def unit_of_cell(cell: Cell) -> str | None:
     """The text of a unit that has a cell of its own, with brackets or without; None for what is none."""
-    text = cell.strip() if isinstance(cell, str) else ""
+    text = cell.strip().removeprefix("in ") if isinstance(cell, str) else ""
     if not text:
         return None
     if text[:1] in "[({" and text[-1:] in "])}":
@@ -134,6 +142,17 @@ def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
     )
 
 
+def _symbols(row: Sequence[Cell]) -> list[str] | None:
+    """Units of a row of symbols with their units, ``t [min]``, as it stands below names; None for any other row."""
+    found = [None if cell == "" else best_unit(units_of(str(cell))) for cell in row]
+    if not any(found) or any(
+        cell != "" and (one is None or not one.certain or len(one.label) > _LONGEST_SYMBOL)
+        for cell, one in zip(row, found, strict=True)
+    ):
+        return None
+    return ["" if one is None else one.text for one in found]
+
+
 def begin(rows: Rows, wanted: Iterable[str] = ()) -> Block | None:
     """Find the table: the first with all columns that are wanted, by name; else the first of some length.
 
@@ -177,7 +196,8 @@ def _below_names(rows: Rows, place: int, index: int) -> bool:
 def _block(rows: Rows, readings: Sequence[frozenset[int]], place: int, names: set[str]) -> Block | None:
     below = place + 1
     for index in range(below, min(below + _MOST_HEADINGS, len(readings))):
-        units = _is_units(rows[index][1], letters=_below_names(rows, place, index))
+        row, below_names = rows[index][1], _below_names(rows, place, index)
+        units = _is_units(row, letters=below_names) or (below_names and _symbols(row) is not None)
         if readings[index] and not units:
             break
         if units:
@@ -215,7 +235,7 @@ def _header(rows: Rows, place: int, below: int) -> list[str]:
     line, row = rows[place]
     above = rows[place - 1] if place else (0, [])
     over = above[1] if above[0] == line - 1 and not _readings(above[1]) else []
-    units = [row for _, row in rows[place + 1 : below] if _is_units(row, letters=True)]
+    units = [row if _is_units(row, letters=True) else _symbols(row) or [] for _, row in rows[place + 1 : below]]
     if _is_units(over):
         units.append(over)
         over = []

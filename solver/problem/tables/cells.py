@@ -24,7 +24,13 @@ from geoswarm.solver.problem.tables.reading import (
     table_rows,
 )
 from geoswarm.solver.problem.tables.workbooks import read_workbook
+from geoswarm.solver.units import convert
 
+_SUMMARY = re.compile(
+    r"(?:mittel(?:wert)?|mean|average|avg|durchschnitt|summe|sum|total|gesamt|min(?:imum)?|max(?:imum)?|median"
+    r"|std\.?(?:abw| ?dev)\.?|standard(?:abweichung| deviation)|anzahl|count)\s*\.?\s*:?",
+    re.IGNORECASE,
+)
 _WORD = re.compile(r"[^\W\d_]{3}")
 
 __all__ = ["Sheet", "file_content", "number_in", "read_cells", "without_units"]
@@ -200,7 +206,7 @@ def _body(rows: list[tuple[int, list[Cell]]], block: Block) -> list[tuple[int, l
     """Rows below the headings, without the same headings once more and without lines of words at the end."""
     heads = [row for _, row in rows[block.place : block.below]]
     body = [(line, row) for line, row in rows[block.below :] if row not in heads]
-    while body and _is_line_of_words(body[-1][1]):
+    while body and (_is_line_of_words(body[-1][1]) or _is_summary(body[-1][1])):
         body.pop()
     return body
 
@@ -208,6 +214,11 @@ def _body(rows: list[tuple[int, list[Cell]]], block: Block) -> list[tuple[int, l
 def _is_line_of_words(row: list[Cell]) -> bool:
     filled = [cell for cell in row if cell != ""]
     return len(filled) == 1 and not is_reading(filled[0]) and _WORD.search(str(filled[0])) is not None
+
+
+def _is_summary(row: list[Cell]) -> bool:
+    """Whether a row below the readings says what it sums up: ``Mittelwert;0,47``."""
+    return any(isinstance(cell, str) and _SUMMARY.fullmatch(cell) is not None for cell in row)
 
 
 def _only_numbers(row: list[Cell]) -> bool:
@@ -218,19 +229,29 @@ def _only_numbers(row: list[Cell]) -> bool:
 def without_units(cells: Sequence[Cell]) -> tuple[list[Cell], str | None]:
     """Cells without the unit that each of them ends with, such as ``0,1 %``, and that unit; 0 needs none.
 
-    The cells themselves and None where they have no unit, or several.
+    Of several units of one dimension, ``15 s`` and ``1 min``, the base unit. The cells themselves and None where they
+    have no unit, or units of several dimensions.
     """
     kept: list[Cell] = []
-    unit: str | None = None
+    units: list[str | None] = []
     for cell in cells:
         split = number_with_unit(cell) if isinstance(cell, str) and cell else None
-        own = unit if split is None else known_unit(split[1])[0]
+        own, base = (None, None) if split is None else known_unit(split[1])
         plain = split is None and number_in(cell) not in (None, 0.0)
-        if plain or (split is not None and (own is None or unit not in (None, own))):
+        if plain or (split is not None and own is None):
             return list(cells), None  # of most columns the first cell says so
-        unit = own
         kept.append(cell if split is None else split[0])
-    return kept, unit
+        units.append(own)
+    several = set(units) - {None}
+    if len(several) < 2:
+        return kept, next(iter(several), None)
+    bases = {known_unit(unit)[1] for unit in several if unit is not None}
+    base = bases.pop()
+    if bases or base is None:
+        return list(cells), None
+    values = [(number_in(cell), unit) for cell, unit in zip(kept, units, strict=True)]
+    converted = (None if value is None or unit is None else float(convert(value, unit, base)) for value, unit in values)
+    return [cell if value is None else value for cell, value in zip(kept, converted, strict=True)], base
 
 
 def number_in(cell: Cell) -> float | None:

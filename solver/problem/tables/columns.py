@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
-from pathlib import Path
 from typing import Literal, TypeVar
 
 from geoswarm.solver.problem.tables.blocks import is_heading, is_reading
-from geoswarm.solver.problem.tables.cells import Sheet, file_content, number_in, read_cells, without_units
+from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import (
     DATES_ACCEPTED,
+    ELAPSED,
     DateForm,
     day_of,
     elapsed_days,
@@ -28,7 +28,7 @@ from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.workbooks import named_cells
 
-__all__ = ["Columns", "Table", "read_table", "table_of"]
+__all__ = ["Columns", "Table", "table_of"]
 
 T = TypeVar("T")
 
@@ -111,11 +111,6 @@ class Table:
     gross_errors: list[int] = field(default_factory=list)
     zero: datetime | None = None
     left_out: int = 0
-
-
-def read_table(path: Path, columns: Columns = Columns()) -> Table:
-    """Read the columns of a CSV file or a workbook; see :func:`table_of`."""
-    return table_of(file_content(path), path.name, columns)
 
 
 def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
@@ -238,8 +233,7 @@ def _mostly(column: Picked, holds: Callable[[Cell], bool]) -> bool:
     return sum(map(holds, sample)) * 2 > len(sample)
 
 
-def _is_clock(cell: Cell) -> bool:
-    """Whether a cell is a time of day; a number may be anything."""
+def _is_clock(cell: Cell) -> bool:  # a number may be anything
     return isinstance(cell, str) and time_of_day(cell) is not None
 
 
@@ -278,18 +272,23 @@ class _Reader:
             raise TableError(f"{self._name}: the cells of {x.name} are all empty")
         moments = None
         elapsed = None
-        if wanted.dates is None and wanted.time is None:
-            elapsed = elapsed_days([cell for _, cell in x.cells])
+        said = wanted.dates if wanted.dates in ELAPSED else None
+        if wanted.dates in (None, said) and wanted.time is None:
+            elapsed = elapsed_days([cell for _, cell in x.cells], x.heading or x.name, said)
         if elapsed is not None:
             self.units["x"] = "day"
             self.columns["x"] = x = replace(
                 x, cells=[(line, value) for (line, _), value in zip(x.cells, elapsed, strict=True)]
             )
+        elif said is not None:
+            cell = next((cell for _, cell in x.cells if cell != "" and elapsed_days([cell], form=said) is None), "")
+            raise TableError(f"{self._name}, column {x.name}: '{cell}' is not written as {said}, as x_dates says")
         elif wanted.dates is not None or wanted.time is not None or _mostly(x, is_moment):
             moments = self._moments(x)
         elif _mostly(x, _is_clock):
             clock = next(cell for _, cell in x.cells if _is_clock(cell))
             what = f"'{clock}' is a time of day; x_column is the column of the dates, x_time_column this one"
+            what += f"; if it is the time since the start, give x_dates: {_SINCE_START[str(clock).count(':')]}"
             raise TableError(f"{self._name}, column {x.name}: {what}")
         elif wanted.origin is not None:
             raise _no_dates(self._name, x)
@@ -381,6 +380,8 @@ class _Reader:
             problem = f"{str(cell)[:50]} has no stored value; let a spreadsheet program calculate and save the workbook"
         elif what == "not a finite number" and is_moment(cell):
             problem += "; x_dates: day_first or month_first says how a date is written"
+        elif isinstance(cell, str) and cell.isalpha() and len(cell) > 3:
+            problem += "; incomplete_rows: leave_out passes over such rows"
         self._messages.append((line, f"{self._name} line {line}, column {column.name}: {problem}"))
 
     def _refuse_headings(self) -> None:
@@ -411,6 +412,7 @@ class _Reader:
         raise TableError(*shown, *([f"{self._name}: {more} more bad cells"] if more else []))
 
 
+_SINCE_START = {1: "hh:mm or mm:ss", 2: "hh:mm:ss"}
 _AS_WRITTEN = {"day_first": "31/12/2024 08:30", "month_first": "12/31/2024 08:30"}
 
 

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.unit_words import ALIASES, ATOMS, CASE_MATTERS
 from geoswarm.solver.units import UnitError, base_unit, convert
 
@@ -45,6 +46,7 @@ _PART = re.compile(
 _SMALL = re.compile(
     r"1\s?/\s?10|(?:[x×*·]\s?)?0[.,]\d|\D{0,4}10\^?[-−]|1[eE]-"
 )  # what a dial gauge divides by; "in 5 m depth" is a place
+_SQUARE = re.compile(r"(?<![A-Za-z])sq\.?\s?([A-Za-z]{1,4})\b\.?", re.IGNORECASE)
 _EXPONENT = re.compile("(?<![⁰¹²³⁴⁵⁶⁷⁸⁹⁻])(?=[⁰¹²³⁴⁵⁶⁷⁸⁹⁻])")
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _BRACKETS = re.compile(r"\[[^\[\](){}<>]{0,40}\]|\([^\[\](){}<>]{0,40}\)|\{[^\[\](){}<>]{0,40}\}|<[^\[\](){}<>]{0,40}>")
@@ -55,19 +57,34 @@ _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of 
 _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)
 _SYMBOLS = frozenset("tglAVN")  # in round brackets a unit only where one of its dimension is needed: time, test A
 _STEP_BEFORE = re.compile(r"(?:1/10+|0[.,]\d+|10\^?-\d)_")
+_SCALED = (
+    r"[×*·]\s*\d|(?<![^\W\d_])x\s*(?:10|0[.,])|\d+\s*[×*·]|(?<![\d.,])10+\s*x|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
+    r"|(?<!\w)(?:1?e[-+]|1e)\d|(?<![\d/])\s*/\s*10+(?![\d/])|fa[ck]tor\s*[=:]?\s*\d|(?<!\w)[½⅓¼¾]"
+    r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
+)
 _ALTERED = re.compile(
-    r"(?:[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln)(?![^\W\d_])"
-    r"|[×*·]\s*\d|(?<![^\W\d_])x\s*(?:10|0[.,])|(?<![\d.,])10+\s*[x×*·]|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
-    r"|(?<!\w)(?:1?e[-+]|1e)\d|(?<![\d/])\s*/\s*10+(?![\d/])|(?<![\d/])1\s*/\s*[^\W\d]|fa[ck]tor\s*[=:]?\s*\d"
-    r"|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
+    rf"(?:{_SCALED}|[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln|exp)"
+    r"(?![^\W\d_])|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
     re.IGNORECASE,
 )
 """What makes numbers another quantity than the unit beside it says: ``√t [min]``, ``q x 10 [kPa]``; \\0 is the unit."""
+_ONLY_SCALED = re.compile(rf"(?:{_SCALED})[^\s\0\[\](){{}}<>]*", re.IGNORECASE)
+_SYMBOL = r"[∆Δδ]?[^\W\d_]{1,5}(?:_\w{1,4}|[\d₀-₉]{1,2})?['’′]?"
+_MULTIPLE = re.compile(rf"(?:=\s*|^)(?:\d{{1,6}}(?:[.,]\d+)?|\d/\d)(?:\s?({_SYMBOL})|\([^()]*[-+−–][^()]*\))$")
+"""All of a heading: ``10q``, ``0.5 s``, ``1/2 q``, ``0.5(s1-s3)``."""
+_MEAN = re.compile(r"\([^()\-−–]*\+[^()\-−–]*\)\s*/\s*[23](?!\d)")
+_QUOTIENT = re.compile(
+    rf"(?<![\w'’′∆Δδ])({_SYMBOL})\s*/\s*({_SYMBOL})(?![\w'’′])|(?:(?<![\w'’′∆Δδ]){_SYMBOL}|\))"
+    r"\s*/\s*\d+(?:[.,]\d+)?(?![\d/])"
+)
+_SYMBOL_OVER = re.compile(r"[a-ln-zA-Z]/(?=\w+$)")
+_NORMALISED = re.compile(r"(?<!\w)norm(?:ali[sz]ed|alisiert\w*|iert\w*)", re.IGNORECASE)
 _VALUE_BEFORE = re.compile(
     r"(?:(?:^|[/=|:*·×(])x?\d+(?:[.,]\d+)?|hunderte?|tausende?|zehn|hundreds?|thousands?|ten)$", re.IGNORECASE
 )
 """A word that makes the unit behind it a value, ``strain at 100 kPa``."""
 _LETTERS = re.compile(r"([A-Za-z]{1,3}):\1")  # a column without a heading: H:H are no hours
+_LETTER = re.compile(r"[^\W\dxeE_]|[%‰°]")
 _LONGEST = 200
 
 
@@ -175,10 +192,11 @@ def unclear_unit(named: Iterable[Named]) -> str | None:
         units = {float(convert(1.0, unit, base)): unit for unit, base in known if base == wanted}
         if len(units) > 1:
             return f"names several units, {' and '.join(units.values())}"
+    strange = next((one.text for one in named if one.unit is None and not one.alters), None)
     altered = next((one.text for one in named if one.alters), None)
-    if altered is not None:
-        return f"has a factor or a function, '{altered}', beside {' and '.join(unit for unit, _ in known)}"
-    strange = next((one.text for one in named if one.unit is None), None)
+    if altered is not None and (known or strange is None):
+        beside = f", '{altered}', beside {' and '.join(unit for unit, _ in known)}" if known else f", '{altered}'"
+        return f"has a factor or a function{beside}"
     return None if known or strange is None else f"names '{strange}', which is not a known unit"
 
 
@@ -219,14 +237,33 @@ def units_of(heading: str) -> tuple[Named, ...]:
 
 
 def _altered(heading: str, found: Sequence[Named]) -> Named | None:
-    """A function or a factor beside the units of a heading."""
-    units = [one.text for one in found if one.unit not in (None, "dimensionless")]
-    if not units:
-        return None
-    altered = _ALTERED.search(
-        functools.reduce(lambda rest, unit: rest.replace(unit.rstrip("^"), "\0", 1), units, heading)
-    )
-    return None if altered is None else Named(None, None, True, altered[0].strip(" \0"), heading, alters=True)
+    """A function, a factor or a quotient beside the units of a heading; without a unit, a factor."""
+    units = [one for one in found if one.unit is not None and (len(found) == 1 or _LETTER.search(one.text))]
+    rest = _MEAN.sub("", heading)
+    for one in units:
+        unit = re.escape(one.text.rstrip("^"))
+        rest = re.sub(rf"(?<![^\W_]){unit}(?![^\W\d_])", lambda _: "\0", rest, count=1)
+    sized = any(one.base not in (None, "dimensionless") for one in units)
+    altered = (_ALTERED if any(one.unit != "dimensionless" for one in units) else _ONLY_SCALED).search(rest)
+    text = None if altered is None else altered[0]
+    name = " ".join(re.sub(r"[\[({<|]?\0[\])}>|]?|\[.*?\]", " ", rest).split()).rstrip(",;:/")
+    if text is None and (multiple := _MULTIPLE.search(name)) is not None and not _is_word(multiple[1] or ""):
+        text = multiple[0].lstrip("= ")
+    if text is None and sized:
+        quotients = (
+            one[0] for one in _QUOTIENT.finditer(name) if one[1] is None or not (_is_word(one[1]) or _is_word(one[2]))
+        )
+        text = next(quotients, None)
+    if text is None and sized and (normalised := _NORMALISED.search(name)) is not None:
+        text = normalised[0]
+    return None if text is None else Named(None, None, True, text.strip(" \0"), heading, alters=True)
+
+
+def _is_word(text: str) -> bool:
+    """Whether a text of a few letters is a word or a unit, not the symbol of a quantity."""
+    if len(text) < 2:
+        return text in ("h", "d")
+    return (quantities_of(text) != () and len(text) > 2) or _known(text)[1] is not None
 
 
 def _outside(text: str, heading: str) -> Iterable[Named]:
@@ -275,6 +312,9 @@ def _among(words: list[str], heading: str) -> Named | None:
             if start and _VALUE_BEFORE.search(words[start - 1]) is not None:
                 continue
             unit, base = _known(given, small=True)
+            if unit is not None and base not in BASES and _SYMBOL_OVER.match(given) is not None and start:
+                given = given[2:]  # "Zeit t/min" is a time in min, as physicists write it
+                unit, base = _known(given, small=True)
             if unit is not None:
                 label = " ".join(words[:start] + words[start + count :]).strip(" ,;:/-–|_") or heading
                 return Named(unit, base, False, given, label)
@@ -300,6 +340,7 @@ def _known(text: str, small: bool = False) -> tuple[str | None, str | None]:
     ``small``: only factors below 1, and a 1 alone is no unit.
     """
     text = _PART.sub(lambda found: _PARTS[found[1][:5].casefold()], text.strip())
+    text = _SQUARE.sub(r"\1^2", text)
     text = _EXPONENT.sub("^", text).translate(_RAISED)
     if not text or len(text) > 40 or (small and text == "1"):  # "Sensor 1"
         return None, None
@@ -332,7 +373,7 @@ def _factor(text: str) -> str:
     else:
         value = float(plain)
     larger = value in (10.0, 100.0, 1000.0) and not text.isdigit()  # "q [100 kPa]": of the test at that pressure
-    return f"{value:.12g}" if 1e-6 <= value < 1.0 or larger else ""
+    return f"{value:.12f}".rstrip("0").rstrip(".") if 1e-6 <= value < 1.0 or larger else ""
 
 
 def _spelled(text: str) -> str | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
-from geoswarm.solver.problem.tables.dates import form_of, is_moment, moment_in, time_of_day
+from geoswarm.solver.problem.tables.dates import elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
     best_unit,
@@ -157,7 +157,8 @@ def _column(
     heading: str, place: int, cells: list[Cell], body: Sequence[Sequence[Cell]], commented: Mapping[str, str]
 ) -> Column:
     label = guess_unit(heading)[0]
-    cells, in_cells = without_units(cells)
+    since = elapsed_days(cells, heading)
+    cells, in_cells = without_units(cells) if since is None else (since, "day")
     filled = [cell for cell in cells if cell != ""]
     kind, doubt = _kind([cell for cell in filled if not str(cell).startswith(FORMULA)], body)
     values: tuple[float | None, ...] = ()

@@ -202,7 +202,7 @@ def cell_number(cell: str) -> float | None:
     """The finite number that a cell shows, with a decimal point or comma; None for anything else."""
     if len(cell) > _MOST_DIGITS:
         return None
-    cell = cell.replace("\u2212", "-")  # a minus as word processors write it
+    cell = cell.replace("\u2212", "-").replace("\u2013", "-")  # a minus as word processors write it
     if _NUMBER.fullmatch(cell):
         value = float(cell)
     elif _NUMBER_WITH_COMMA.fullmatch(cell):

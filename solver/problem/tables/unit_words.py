@@ -10,16 +10,17 @@ _WORDS = {
     "s": "s sec secs second seconds sek sekunde sekunden",
     "min": "min mins minute minutes minuten",
     "h": "h hr hrs hour hours std stunde stunden",
-    "day": "d days tag tage tagen",
+    "day": "d days tag tage tagen tg",
     "week": "weeks woche wochen",
     "month": "months monat monate",
     "year": "a years jahr jahre yr yrs",
     "ms": "millisecond milliseconds millisekunde millisekunden",
-    "um": "µm μm micron microns micrometer micrometers micrometre micrometres mikrometer mikron",
+    "um": "µm μm my mü micron microns mikrons micrometer micrometers micrometre micrometres mikrometer mikron",
     "mm": "mm millimeter millimeters millimetern millimetre millimetres",
     "cm": "cm centimeter centimeters centimetre centimetres zentimeter zentimetern",
     "m": "meter meters metern metre metres",
     "inch": "inches zoll",
+    "thou": "mil mils thou",
     "ft": "feet foot",
     "Pa": "pascal",
     "mH2O": "mh2o mws",
@@ -42,7 +43,7 @@ _WORDS = {
     "psi": "psi lb/in2 lbf/in2 lbs/in2",
     "degree": "° deg degrees grad altgrad",
     "rad": "radian radians",
-    "%": "percent prozent pct vol.-% vol-% vol.% vol% v.-%",
+    "%": "percent prozent pct vol.-% vol-% vol.% vol% v.-% vh v.h",
     "permille": "‰ promille permil o/oo",
     "um/m": "µm/m μm/m µε με microstrain ustrain µstrain",
     "dimensionless": "- – — 1 dimensionslos unitless",
@@ -59,7 +60,7 @@ CASE_MATTERS = frozenset(("mPa", "Mm"))
 ATOMS = frozenset(
     re.findall(
         r"\S+",
-        "nm um mm cm dm m km in inch ft s ms min h hr d day week month year Pa hPa kPa MPa GPa bar mbar atm torr "
+        "nm um mm cm dm m km in inch thou ft s ms min h hr d day week month year Pa hPa kPa MPa GPa bar mbar atm torr "
         "mH2O cmH2O mmHg N kN MN kgf tf lbf kip force_ton psi ksi g kg mg Mg t degree deg rad mrad permille ppm "
         "ml cl l A mA V mV kV Hz % dimensionless",
     )

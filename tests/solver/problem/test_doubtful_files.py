@@ -9,8 +9,11 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import TableError, measured_points, read_measurements
+from geoswarm.solver.problem.observations import unit_of_data
+from geoswarm.solver.problem.tables.headings import heading_of
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, number_of
 from geoswarm.solver.problem.tables.quantities import quantities_of
+from geoswarm.solver.units import convert
 from tests.solver.problem.test_columns import mistakes, observed
 from tests.solver.problem.test_laboratory_files import DAY, ods_cell, open_document, sheet_rows
 from tests.solver.problem.test_measurements import workbook
@@ -242,3 +245,54 @@ def test_specimens_are_counted_with_the_empty_cells_below_them() -> None:
     rows: list[tuple[Any, ...]] = [("specimen", "x", "y"), ("S1", 1.0, 2.0), (None, 2.0, 3.0), ("S2", 1.0, 5.0)]
     (specimen, *_) = read_measurements(workbook(("s", sheet_rows(*rows))), "a.xlsx").columns
     assert (specimen.quantities, specimen.entries) == (("specimen",), {"S1": 2, "S2": 1})
+
+
+@pytest.mark.parametrize(
+    ("heading", "told"),
+    [
+        *((f"{one} [kPa]", one) for one in ("10q", "2q", "0.5 q", "½ q", "1/2 q", "2*tau", "0.5(s1-s3)", "q x 0,5")),
+        *((f"{one} [kPa]", one) for one in ("Δq/q", "q/p'", "q/pref", "p'/p0'", "u/σ3", "q/2", "dq/dp", "σ1/σ3")),
+        *((f"Spannung {one} [kPa]", one) for one in ("10-fach", "zehnfach", "q/p0", "q/2")),
+        ("t=(σ1-σ3)/2 [kPa]", ")/2"),
+        ("q (x 0,01) [kPa]", "x 0,01"),
+        ("normalised q [kPa]", "normalised"),
+        ("exp(q) in kPa", "exp"),
+    ],
+)
+def test_a_factor_or_quotient_before_a_unit_is_asked_for(heading: str, told: str) -> None:
+    named = heading_of(heading, {})
+    unit, wrong = unit_of_data("y", None, "kPa", named, unitless=False)
+    assert unit is None
+    assert wrong is not None
+    assert f"'{told[:1]}" in wrong
+    assert "y_unit says" in wrong
+    assert unit_of_data("y", "kPa", "kPa", named, unitless=False) == ("kPa", None)
+
+
+@pytest.mark.parametrize("heading", ["100 ε", "Dehnung x 100", "Dehnung*100", "10 ε [-]", "strain (x 1000)"])
+def test_a_factor_before_a_strain_is_asked_for(heading: str) -> None:
+    assert "factor" in str(unit_of_data("y", None, "dimensionless", heading_of(heading, {}), unitless=False)[1])
+
+
+@pytest.mark.parametrize(
+    ("heading", "base", "factor"),
+    [
+        *((f"{one} [mm]", "m", 1e-3) for one in ("Setzung/Settlement", "Weg 1 / Weg 2", "Sensor 1/2", "2 Setzung")),
+        *((f"{one} [mm]", "m", 1e-3) for one in ("Setzung bei 100 kPa", "100 kPa", "3. Weg", "(s1+s2)/2", "24 h")),
+        *((f"{one} [kPa]", "kPa", 1.0) for one in ("Last/Stress", "p'=(σ1'+2σ3')/3", "q=σ1-σ3", "(3) q", "σ1'")),
+        *((f"{one} [%]", "dimensionless", 0.01) for one in ("Δh/h0", "normalised settlement", "bezogene Setzung")),
+        ("Zeit t/min", "day", 1 / 1440),
+        ("Setzung s/mm", "m", 1e-3),
+        ("Zeit [Tg]", "day", 1.0),
+        ("Setzung [my]", "m", 1e-6),
+        ("Dial [thou]", "m", 2.54e-5),
+        ("Stress (lb/sq ft)", "kPa", 0.04788025898),
+        ("Stress [kg/sq.cm]", "kPa", 98.0665),
+        ("Strain [1e-6]", "dimensionless", 1e-6),
+    ],
+)
+def test_words_beside_a_unit_are_no_factors(heading: str, base: str, factor: float) -> None:
+    unit, wrong = unit_of_data("y", None, base, heading_of(heading, {}), unitless=False)
+    assert wrong is None
+    assert unit is not None
+    assert float(convert(1.0, unit, base)) == pytest.approx(factor, rel=1e-8)

@@ -12,12 +12,13 @@ from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import load_problem, parse_problem, problem_yaml
 from geoswarm.solver.problem.observations import Observation
 from geoswarm.solver.problem.points import inlined_document
-from geoswarm.solver.problem.tables.columns import Columns, read_table
+from geoswarm.solver.problem.tables.columns import Columns
 from geoswarm.solver.problem.tables.headings import guess_unit
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.units import convert
 from tests.solver.problem.test_laboratory_files import ods_cell, open_document, sheet_rows
 from tests.solver.problem.test_measurements import workbook
+from tests.solver.problem.test_tables import read_table
 
 FORMATS = '<numFmts><numFmt numFmtId="170" formatCode="0.0&quot; MPa&quot;"/></numFmts>'
 PERCENT = f'{FORMATS}<cellXfs><xf numFmtId="0"/><xf numFmtId="10"/><xf numFmtId="170"/><xf numFmtId="46"/></cellXfs>'

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.problem import parse_problem, read_measurements
 from geoswarm.solver.problem.tables.dates import moment_in, time_of_day
 from tests.solver.problem.test_columns import mistakes, observed
 from tests.solver.problem.test_measurements import MAIN, RELATIONS, workbook
 from tests.solver.problems import decay_document
 
+COLUMN = {"y_column": "Setzung"}
 DAY = {"x_unit": "day", "y_unit": "mm"}
 
 
@@ -298,3 +299,67 @@ def test_the_rule_of_thinning_is_told() -> None:
     assert found.notes[0] == "DIN EN ISO 17892-5, specimen 3"
     rule = "neighbouring readings were replaced by their means, at most 5 to a decade of x"
     assert found.notes[1] == f"{rule}: {len(found.x)} points of 301 readings"
+
+
+@pytest.mark.parametrize(
+    "cell",
+    [
+        *("1. März 2024", "01-Mar-2024", "1 March 2024", "1.Mrz.24", "March 1, 2024", "1st Mar. 2024", "01MAR2024"),
+        *("Fr 01.03.2024", "Friday, 1 March 2024", "2024/03/01", "1. 3. 2024", "01.03.2024 0:00 Uhr"),
+    ],
+)
+def test_dates_with_the_names_of_months(cell: str, tmp_path: Path) -> None:
+    assert moment_in(cell) == moment_in("2024-03-01")
+    found = observed(
+        tmp_path, "a.csv", f"Datum;Setzung [mm]\n{cell};0\n3. März 2024 12:00;2\n", x_column="Datum", **COLUMN
+    )
+    assert found.points.x == [0.0, 2.5]
+
+
+def test_words_that_are_no_dates() -> None:
+    assert not [one for one in ("1 Foo 2024", "Sep 2024", "Mai 12", "31. Apr 2024", "Sensor 1 2024") if moment_in(one)]
+
+
+@pytest.mark.parametrize(
+    ("heading", "cells", "seconds", "keys"),
+    [
+        ("Zeit [mm:ss]", ("0:15", "100:30,5"), (15.0, 6030.5), {}),
+        ("Zeit [hh:mm]", ("0:00", "1:15"), (0.0, 4500.0), {}),
+        ("Zeit (hh:mm:ss)", ("00:00:15", "00:01:00"), (15.0, 60.0), {}),
+        ("elapsed time", ("02:00:15", "02:01:00"), (7215.0, 7260.0), {}),
+        ("Dauer [Std:Min]", ("8:30", "8:45"), (30600.0, 31500.0), {}),
+        ("t [d:hh:mm]", ("0:00:15", "1:00:00"), (900.0, 86400.0), {}),
+        ("Zeit", ("0:15", "0:30"), (15.0, 30.0), {"x_dates": "'mm:ss'"}),
+        ("Zeit", ("0:15", "0:30"), (900.0, 1800.0), {"x_dates": "'hh:mm'"}),
+        ("Zeit", ("15 s", "1 min"), (15.0, 60.0), {}),
+    ],
+)
+def test_elapsed_time_as_the_heading_says(
+    heading: str, cells: tuple[str, str], seconds: tuple[float, float], keys: dict[str, str], tmp_path: Path
+) -> None:
+    text = f"{heading};Setzung [mm]\n{cells[0]};1\n{cells[1]};2\n"
+    found = observed(
+        tmp_path, "a.csv", text, x_column=heading.split(" ")[0] if keys else f'"{heading}"', **keys, **COLUMN
+    )
+    assert [86400 * x for x in found.points.x] == pytest.approx(seconds, rel=1e-12)
+    if not keys:
+        assert read_measurements(text.encode(), "a.csv").columns[0].kind == "number"
+
+
+def test_elapsed_time_that_nobody_explains_is_asked_for(tmp_path: Path) -> None:
+    text = "Zeit;Setzung [mm]\n0:00;0\n0:15;1\n"
+    assert "give x_dates: hh:mm or mm:ss" in mistakes(tmp_path, "a.csv", text, x_column="Zeit", **COLUMN)
+    message = mistakes(tmp_path, "a.csv", text, x_column="Zeit", x_dates="'hh:mm:ss'", **COLUMN)
+    assert "'0:00' is not written as hh:mm:ss, as x_dates says" in message
+
+
+@pytest.mark.parametrize("last", ["Mittelwert;0,47", "Summe:;4\nMax;3", "Mean;;", "24 h;"])
+def test_lines_that_sum_up_are_no_readings(last: str, tmp_path: Path) -> None:
+    text = f"Zeit;Setzung\nt [d];s [mm]\n0;0\n1;2\n{last}\n"
+    keys = {"incomplete_rows": "leave_out"} if last.startswith("24") else {}
+    assert observed(tmp_path, "a.csv", text, x_column="Zeit", **keys, **COLUMN).points.y == [0.0, 2.0]
+
+
+def test_a_word_in_place_of_a_reading_says_what_to_do(tmp_path: Path) -> None:
+    message = mistakes(tmp_path, "a.csv", "Zeit [d];Setzung [mm]\n0;0\nEnde;2\n", x_column="Zeit", **COLUMN)
+    assert "'Ende' is not a finite number; incomplete_rows: leave_out passes over such rows" in message

@@ -6,8 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver.problem.tables.columns import Columns, Table, read_table
+from geoswarm.solver.problem.tables.cells import file_content
+from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError
+
+
+def read_table(path: Path, columns: Columns | None = None) -> Table:
+    return table_of(file_content(path), path.name, columns or Columns())
 
 
 def _write(folder: Path, content: str | bytes) -> Path:
