@@ -1,10 +1,11 @@
 // What is identified, how well, and what to do next.
-import { alarm, doubt } from "./alarm.js";
+import { alarm } from "./alarm.js";
 import { announce, connection, element, exchange } from "./dom.js";
 import { count, number, objectiveUnit } from "./format.js";
 import { address, get } from "./http.js";
 import { tellAddress, told } from "./place.js";
 import { COLOURS } from "./ramp.js";
+import { followUps } from "./remedies.js";
 import { Cloud, natural, place as unitPlace } from "./statistics/cloud.js";
 import { FitPlot, affordable } from "./statistics/fit.js";
 import { Matrix } from "./statistics/matrix.js";
