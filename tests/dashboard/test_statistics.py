@@ -91,7 +91,7 @@ def test_points_are_those_of_the_service(embedded: Site, page: Page, job: str) -
 
 
 def test_sentences_name_buttons_of_the_page_and_no_commands(page: Page) -> None:
-    expect(page.locator("#warnings")).to_contain_text("“Sensitivities at the optimum” goes to the optimum")
+    expect(page.locator("#warnings")).to_contain_text("“Sensitivities at the optimum” goes to the minimum")
     expect(page.get_by_role("button", name=re.compile("^Sensitivities at the optimum"))).to_be_visible()
     expect(page.locator("main")).not_to_contain_text("'geoswarm ")
 
@@ -117,6 +117,8 @@ def test_the_slider_counts_as_the_service_does_and_verdicts_follow(embedded: Sit
 def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit(page: Page) -> None:
     slide(page, 900)
     before = chosen(page)
+    expect(page.locator("#judged")).not_to_have_attribute("aria-busy", "true")  # verdicts stand above and may grow
+    page.locator(".marks .cell").nth(3).scroll_into_view_if_needed()
     cell = page.locator(".marks .cell").nth(3).bounding_box()  # row b, column a
     assert cell is not None
     x, y, side = cell["x"], cell["y"], cell["width"]

@@ -245,7 +245,7 @@ function showStatistics(statistics) {
   parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;
   const start = parts.plan ? (kind) => parts.uncertainty.start(kind) : null;
   const steps = [...(fit.kind === "untested" ? fit.what_to_do : []), ...statistics.basins.what_to_do];
-  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, text)), ...followUps(steps, start).map((step) => element("li", {}, step)));
+  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, text)), ...followUps(steps).map((step) => element("li", {}, step)));
   place("verdicts").replaceChildren(...verdictCards(verdicts, parts.units, parts.plan, start));
   const details = place("correlations");
   details.replaceChildren(details.querySelector("summary"), correlationTable(correlations));
