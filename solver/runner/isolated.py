@@ -274,7 +274,7 @@ class IsolatedModel(ForwardModel):
             ParameterInfo(**{**info, "typical": None if info["typical"] is None else tuple(info["typical"])})
             for info in described["parameters"]
         )
-        self._series = tuple(SeriesInfo(**info) for info in described["series"])
+        self._series = tuple(SeriesInfo(**{**info, "x_names": tuple(info["x_names"])}) for info in described["series"])
         self._open = bool(described["open_parameters"])
 
     @property
