@@ -115,6 +115,8 @@ def test_numbers_outside_the_usual_range_are_marked(embedded: Site, visit: Visit
     expect(warning).to_contain_text("20 kPa cannot be given in m")
     expect(page.locator("#verdict")).not_to_contain_text("Complete")
     expect(page.locator("#start-now")).to_be_hidden()
+    height.fill("1,250 mm")  # 1.25 or 1250
+    expect(warning).to_contain_text("1,250 mm cannot be given in m")
     height.fill("2 cm")
     expect(page.locator("#verdict")).to_contain_text("Complete")
     expect(page.locator("#start-now")).to_be_visible()

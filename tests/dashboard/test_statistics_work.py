@@ -6,8 +6,9 @@ import re
 
 from playwright.sync_api import Page, Request, Route, expect
 
+from tests.api.conftest import line_problem
 from tests.dashboard.conftest import Site
-from tests.dashboard.test_statistics import Visit, job, page, slide
+from tests.dashboard.test_statistics import Visit, ended, job, page, slide
 
 __all__ = ["Visit", "job", "page"]  # fixtures
 
@@ -79,3 +80,21 @@ def test_a_follow_up_that_runs_can_be_cancelled_where_it_is_shown(embedded: Site
     opened.get_by_role("button", name="Cancel Global sensitivity").click()
     expect(opened.locator("#uncertainty .state")).to_have_text("cancelled")
     expect(opened.get_by_role("button", name="Cancel Global sensitivity")).to_have_count(0)
+
+
+def test_the_values_without_each_test_say_which_one_pulls(embedded: Site, visit: Visit) -> None:
+    tests = {"first": [1.0, 3.1, 4.9, 7.0], "second": [1.1, 2.9, 5.1, 7.1], "third": [1.0, 3.5, 6.0, 8.5]}
+    document = line_problem(
+        forward_model={
+            "kind": "combined",
+            "parts": {name: {"kind": "formula", "series": {"y": "a + b * x"}} for name in tests},
+        },
+        observations=[{"series": f"{name}.y", "points": {"x": [0, 1, 2, 3], "y": y}} for name, y in tests.items()],
+        answer={},
+    )
+    page, _ = visit(embedded, f"/jobs/{ended(embedded.service, document)}/statistics")
+    rows = page.get_by_role("region", name="Values without each test").locator("tbody tr")
+    expect(rows).to_have_count(5)
+    expect(rows.nth(2)).to_contain_text("without third")
+    expect(rows.nth(2).locator("td").nth(1)).to_have_text("2")  # the line through the other two
+    expect(rows.nth(4).locator("td").nth(1)).to_have_text("third")

@@ -89,7 +89,7 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
             parts = ", ".join(f"{parameter} {part:+.2f}" for parameter, part in combination["components"].items())
             reasons.append(f"left open by the data: {parts} (moves in parts of the search ranges)")
     if linearisation["without_tests"] is not None:
-        _show_without_tests(linearisation["without_tests"])
+        _show_without_tests(linearisation["without_tests"], linearisation["level"])
     noise = linearisation["noise"]
     deviations = (
         "unknown" if noise is None else ", ".join(f"{s} {number(v, 3)}" for s, v in noise["deviations"].items())
@@ -124,13 +124,13 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
         note("Warning: this is not the minimum yet, so the intervals are wrong; polish it first (--polish)")
 
 
-def _show_without_tests(found: Mapping[str, Any]) -> None:
+def _show_without_tests(found: Mapping[str, Any], level: float) -> None:
     rows = []
     for parameter, row in found["parameters"].items():
         known = [value for value in row["values"].values() if value is not None]
         span = (number(min(known)), number(max(known))) if known else ("-", "-")
         rows.append((parameter, *span, *_ends(row["interval"]), row["pulls"] or "-"))
-    columns = ("leaving out a test", "least", "largest", *interval_heading(0.95, None), "pulled most by")
+    columns = ("leaving out a test", "least", "largest", *interval_heading(level, None), "pulled most by")
     echo_table(None, columns, rows, right=(1, 2, 3, 4))
 
 

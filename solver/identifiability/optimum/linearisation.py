@@ -137,6 +137,8 @@ class Linearisation:
         distance from the minimum counts as 0 and nonlinearity within the intervals as none.
     without
         Where the minimum lies without each of the tests; None with fewer than three.
+    between_tests
+        Parameters whose intervals by linearisation rest on the scatter between tests.
     """
 
     names: tuple[str, ...]
@@ -166,6 +168,7 @@ class Linearisation:
     dependence: tuple[Dependence, ...] = ()
     to_rounding: bool = False
     without: WithoutTests | None = None
+    between_tests: tuple[str, ...] = ()
 
     @property
     def departures(self) -> tuple[Dependence, ...]:
@@ -236,19 +239,12 @@ class Linearisation:
         """How many times wider an allowance for dependence makes its interval by linearisation."""
         return float(self.widening[self.names.index(name)])
 
-    def between_tests(self, name: str) -> bool:
-        """Whether its interval by linearisation rests on the scatter between tests, whatever the model bends."""
-        index = self.names.index(name)
-        return self.without is not None and bool(
-            np.isclose(self.linear_half_widths[index], self.without.half_widths[index], rtol=1e-12, atol=0.0)
-        )
-
     def _allowance(self, name: str) -> str:
         """For what its interval is widened, in a few words; empty where it is not."""
         basis, factor = self.basis(name), self.widening_of(name)
         kinds = {basis, *(one.kind for one in self.dependence if factor > 1.0)}
         kind: IntervalBasis | None = next((kind for kind in ALLOWANCES if kind in kinds), None)
-        if self.between_tests(name):
+        if name in self.between_tests:
             kind = "tests"
         return "" if kind is None else f"{_BASES[kind]} by a factor of {factor:.2g}"
 

@@ -278,6 +278,7 @@ def _assemble(
         dependence=dependence,
         to_rounding=to_rounding,
         without=without,
+        between_tests=tuple(np.array(calibration.free_names)[spread.between_tests].tolist()),
     )
 
 

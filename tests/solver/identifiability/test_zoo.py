@@ -17,6 +17,7 @@ from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.document.build import linearise_stored, report_of_result
 from geoswarm.solver.runs.local import calibrate
+from tests.solver.identifiability.alike import ALIKE
 from tests.solver.identifiability.zoo import CONFIDENT, SWARM, ZOO, Animal
 
 CHANCE = 1e-5  # that a right statement is called wrong: about 1000 are looked at
@@ -128,3 +129,16 @@ def test_no_confident_wrong_word_of_twenty_seeds(name: str, method: dict[str, An
     assert [words for found, _ in judged for words in found] == []
     parameters = len(ZOO[name].truth or {})
     assert sum(missed for _, missed in judged) <= binom.ppf(0.999, 20, 0.05 * max(parameters, 1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ALIKE)
+def test_a_parameter_with_several_values_is_identified_within_one_basin_at_most(name: str) -> None:
+    """In four seeds; where the other solution was not met, the verdict says in how much of the space one could hide."""
+    animal, said = ALIKE[name], []
+    for seed in range(4):
+        problem = animal.make(np.random.default_rng([seed, len(name)]).standard_normal(animal.points), None)
+        statistics = report_of_result(problem, calibrate(problem, seed=seed)).statistics
+        assert statistics is not None
+        said += [v for v in statistics.verdicts if v.parameter in animal.never and v.kind in CONFIDENT]
+    assert [verdict.sentence for verdict in said if not verdict.evidence.sparse] == []

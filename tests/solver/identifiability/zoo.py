@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.problem import Problem
 from tests.solver.identifiability.cases import X, free, problem_of
 
-__all__ = ["CONFIDENT", "SWARM", "ZOO", "Animal"]
+__all__ = ["CONFIDENT", "SWARM", "ZOO", "Animal", "formula"]
 
 CONFIDENT = ("identified", "bounded_on_one_side")
 Method: TypeAlias = dict[str, Any]
@@ -59,7 +59,7 @@ class Animal:
     points: int = X.size
 
 
-def _formula(
+def formula(
     expression: str,
     parameters: dict[str, Any],
     curve: Callable[[FloatArray], FloatArray],
@@ -70,6 +70,8 @@ def _formula(
     observed: dict[str, Any] | None = None,
     sampled: int = 0,
 ) -> Make:
+    """Make problems of a true curve over x, with errors of standard deviation ``sigma`` from unit normal noise."""
+
     def make(noise: FloatArray, method: Method | None = None) -> Problem:
         y = curve(x) + sigma * errors(noise)
         points = {"x": x.tolist(), "y": y.tolist()}
@@ -109,14 +111,14 @@ THREE = np.array([0.5, 2.0, 4.0])
 ZOO: dict[str, Animal] = {
     # (a - 3)^2 enters alone: 1.7 and 4.3
     "two basins": Animal(
-        _formula(TWO_BASINS, {"a": free(0.1, 5.9), "b": free()}, two_basins, 0.05),
+        formula(TWO_BASINS, {"a": free(0.1, 5.9), "b": free()}, two_basins, 0.05),
         {"a": 1.7, "b": 4.0},
         never=("a",),
         always=("b",),
     ),
     # the other basin, at about 4.3, fits a little worse
     "unequal basins": Animal(
-        _formula(
+        formula(
             "b * exp(-0.5 * x) + (a - 3)**2 * x + 0.05 * a * exp(-2 * x)",
             {"a": free(0.1, 5.9), "b": free()},
             lambda x: 4.0 * np.exp(-0.5 * x) + 1.3**2 * x + 0.05 * 1.7 * np.exp(-2.0 * x),
@@ -127,24 +129,24 @@ ZOO: dict[str, Animal] = {
     ),
     # many minima, of which one is that of the truth
     "ripples": Animal(
-        _formula("b * sin(a * x)", {"a": free(0.1, 15.0), "b": free()}, lambda x: 4.0 * np.sin(6.0 * x), 0.3),
+        formula("b * sin(a * x)", {"a": free(0.1, 15.0), "b": free()}, lambda x: 4.0 * np.sin(6.0 * x), 0.3),
         {"a": 6.0, "b": 4.0},
     ),
     # the same slope at each of three roots of a cubic
     "three basins": Animal(
-        _formula("(a - 1)*(a - 3)*(a - 5)*x + b", {"a": free(0.0, 6.0), "b": free()}, lambda x: 5.0 + 0.0 * x, 0.05),
+        formula("(a - 1)*(a - 3)*(a - 5)*x + b", {"a": free(0.0, 6.0), "b": free()}, lambda x: 5.0 + 0.0 * x, 0.05),
         {"a": 3.0, "b": 5.0},
         never=("a",),
         always=("b",),
     ),
     "two basins, sixty runs": Animal(
-        _formula(TWO_BASINS, {"a": free(0.1, 5.9), "b": free()}, two_basins, 0.05, runs=60),
+        formula(TWO_BASINS, {"a": free(0.1, 5.9), "b": free()}, two_basins, 0.05, runs=60),
         {"a": 1.7, "b": 4.0},
         never=("a",),
         always=("b",),
     ),
     "two basins, sampled": Animal(
-        _formula(
+        formula(
             TWO_BASINS,
             {"a": free(0.1, 5.9), "b": free()},
             two_basins,
@@ -158,7 +160,7 @@ ZOO: dict[str, Animal] = {
     ),
     # one of a fortieth of the range beside one of the whole range
     "wide and narrow basin": Animal(
-        _formula(
+        formula(
             "(a - 1.5 - 4 * exp(-((a - 4.5) / 0.15)**2)) * x + b",
             {"a": free(0.1, 5.9), "b": free()},
             lambda x: 5.0 + 0.0 * x,
@@ -168,7 +170,7 @@ ZOO: dict[str, Animal] = {
         always=("b",),
     ),
     "four basins": Animal(
-        _formula(
+        formula(
             "(a - 0.5)*(a - 2.2)*(a - 3.9)*(a - 5.6)*x + b",
             {"a": free(0.0, 6.0), "b": free()},
             lambda x: 5.0 + 0.0 * x,
@@ -179,7 +181,7 @@ ZOO: dict[str, Animal] = {
         always=("b",),
     ),
     "five basins": Animal(
-        _formula(
+        formula(
             "(a - 0.6)*(a - 1.8)*(a - 3)*(a - 4.2)*(a - 5.4)*x + b",
             {"a": free(0.0, 6.0), "b": free()},
             lambda x: 5.0 + 0.0 * x,
@@ -190,7 +192,7 @@ ZOO: dict[str, Animal] = {
         always=("b",),
     ),
     "exchange": Animal(
-        _formula(
+        formula(
             "exp(-a * x) + exp(-b * x)",
             {"a": free(0.05, 5.0), "b": free(0.05, 5.0)},
             lambda x: np.exp(-0.3 * x) + np.exp(-2.0 * x),
@@ -201,7 +203,7 @@ ZOO: dict[str, Animal] = {
         exchange=("a", "b"),
     ),
     "exchange, other bounds": Animal(
-        _formula(
+        formula(
             "exp(-a * x) + exp(-b * x)",
             {"a": free(0.05, 5.0), "b": free(0.02, 8.0)},
             lambda x: np.exp(-0.3 * x) + np.exp(-2.0 * x),
@@ -212,7 +214,7 @@ ZOO: dict[str, Animal] = {
         exchange=("a", "b"),
     ),
     "exchange of three": Animal(
-        _formula(
+        formula(
             "exp(-a * x) + exp(-b * x) + exp(-c * x)",
             {name: free(0.05, 5.0) for name in "abc"},
             lambda x: np.exp(-0.2 * x) + np.exp(-1.0 * x) + np.exp(-4.0 * x),
@@ -223,7 +225,7 @@ ZOO: dict[str, Animal] = {
         exchange=("a", "b", "c"),
     ),
     "product": Animal(
-        _formula("a * b * x + c", {"a": free(), "b": free(), "c": free()}, lambda x: 6.0 * x + 3.0, 0.1),
+        formula("a * b * x + c", {"a": free(), "b": free(), "c": free()}, lambda x: 6.0 * x + 3.0, 0.1),
         {"a": 2.0, "b": 3.0, "c": 3.0},
         never=("a", "b"),
         always=("c",),
@@ -231,7 +233,7 @@ ZOO: dict[str, Animal] = {
         exchange=("a", "b"),
     ),
     "sum": Animal(
-        _formula("(a + b) * x + c", {"a": free(), "b": free(), "c": free()}, lambda x: 5.0 * x + 3.0, 0.1),
+        formula("(a + b) * x + c", {"a": free(), "b": free(), "c": free()}, lambda x: 5.0 * x + 3.0, 0.1),
         {"a": 2.0, "b": 3.0, "c": 3.0},
         never=("a", "b"),
         always=("c",),
@@ -239,7 +241,7 @@ ZOO: dict[str, Animal] = {
         exchange=("a", "b"),
     ),
     "ratio": Animal(
-        _formula(
+        formula(
             "a / b * x + c",
             {"a": free(scale="log"), "b": free(scale="log"), "c": free()},
             lambda x: 1.5 * x + 3.0,
@@ -251,7 +253,7 @@ ZOO: dict[str, Animal] = {
         tied=("a", "b"),
     ),
     "no influence": Animal(
-        _formula("a * x + 0 * b", {"a": free(), "b": free()}, lambda x: 2.0 * x, 0.05),
+        formula("a * x + 0 * b", {"a": free(), "b": free()}, lambda x: 2.0 * x, 0.05),
         {"a": 2.0, "b": 1.0},
         never=("b",),
         always=("a",),
@@ -259,7 +261,7 @@ ZOO: dict[str, Animal] = {
     ),
     # b - a^2 is known ten times better than a
     "banana": Animal(
-        _formula(
+        formula(
             "a * x + 10 * (b - a**2) * exp(-x)",
             {"a": free(0.0, 3.0), "b": free(0.0, 9.0)},
             lambda x: 1.2 * x + 0.6 * np.exp(-x),
@@ -268,34 +270,34 @@ ZOO: dict[str, Animal] = {
         {"a": 1.2, "b": 1.5},
     ),
     "at a bound": Animal(
-        _formula("a * x + b", {"a": free(0.1, 6.0), "b": free()}, lambda x: 6.0 * x + 2.0, 0.1),
+        formula("a * x + b", {"a": free(0.1, 6.0), "b": free()}, lambda x: 6.0 * x + 2.0, 0.1),
         {"a": 6.0, "b": 2.0},
         always=("b",),
     ),
     # the best line inside the bounds is not the true one
     "beyond a bound": Animal(
-        _formula("a * x + b", {"a": free(0.1, 5.5), "b": free()}, lambda x: 6.0 * x + 2.0, 0.1),
+        formula("a * x + b", {"a": free(0.1, 5.5), "b": free()}, lambda x: 6.0 * x + 2.0, 0.1),
         None,
         never=("a", "b"),
         wrong=True,
     ),
     "noise-free": Animal(
-        _formula("b * exp(-a * x)", {"a": free(0.05, 5.0), "b": free()}, lambda x: 4.0 * np.exp(-0.5 * x), 0.0),
+        formula("b * exp(-a * x)", {"a": free(0.05, 5.0), "b": free()}, lambda x: 4.0 * np.exp(-0.5 * x), 0.0),
         {"a": 0.5, "b": 4.0},
     ),
     "three points": Animal(
-        _formula("a * x + b", {"a": free(), "b": free()}, lambda x: 2.0 * x + 5.0, 0.05, THREE),
+        formula("a * x + b", {"a": free(), "b": free()}, lambda x: 2.0 * x + 5.0, 0.05, THREE),
         {"a": 2.0, "b": 5.0},
         points=3,
     ),
     "three points without noise": Animal(
-        _formula("a * x + b", {"a": free(), "b": free()}, lambda x: 2.0 * x + 5.0, 0.0, THREE),
+        formula("a * x + b", {"a": free(), "b": free()}, lambda x: 2.0 * x + 5.0, 0.0, THREE),
         {"a": 2.0, "b": 5.0},
         never=("a", "b"),
         points=3,
     ),
     "outliers": Animal(
-        _formula(
+        formula(
             "b * exp(-a * x)",
             {"a": free(0.05, 5.0), "b": free()},
             lambda x: 4.0 * np.exp(-0.5 * x),
@@ -307,7 +309,7 @@ ZOO: dict[str, Animal] = {
         always=("a", "b"),
     ),
     "outliers that nobody expects": Animal(
-        _formula(
+        formula(
             "b * exp(-a * x)",
             {"a": free(0.05, 5.0), "b": free()},
             lambda x: 4.0 * np.exp(-0.5 * x),
@@ -317,18 +319,18 @@ ZOO: dict[str, Animal] = {
         {"a": 0.5, "b": 4.0},
     ),
     "correlated residuals": Animal(
-        _formula("a * x + b", {"a": free(), "b": free()}, lambda x: 2.0 * x + 5.0, 0.05, errors=following),
+        formula("a * x + b", {"a": free(), "b": free()}, lambda x: 2.0 * x + 5.0, 0.05, errors=following),
         {"a": 2.0, "b": 5.0},
         always=("b",),
     ),
     "wrong model": Animal(
-        _formula("a * x + b", {"a": free(), "b": free()}, lambda x: 8.0 - 4.0 * np.exp(-1.5 * x), 0.03),
+        formula("a * x + b", {"a": free(), "b": free()}, lambda x: 8.0 - 4.0 * np.exp(-1.5 * x), 0.03),
         None,
         never=("a", "b"),
         wrong=True,
     ),
     "wrong model, error stated": Animal(
-        _formula(
+        formula(
             "a * x + b",
             {"a": free(), "b": free()},
             lambda x: 8.0 - 4.0 * np.exp(-0.4 * x),
@@ -340,7 +342,7 @@ ZOO: dict[str, Animal] = {
         wrong=True,
     ),
     "plain": Animal(
-        _formula("b * exp(-a * x)", {"a": free(0.05, 5.0), "b": free()}, lambda x: 4.0 * np.exp(-0.5 * x), 0.05),
+        formula("b * exp(-a * x)", {"a": free(0.05, 5.0), "b": free()}, lambda x: 4.0 * np.exp(-0.5 * x), 0.05),
         {"a": 0.5, "b": 4.0},
         always=("a", "b"),
     ),

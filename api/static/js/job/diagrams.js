@@ -9,23 +9,25 @@ export function diagrams(view) {
   const section = document.getElementById("diagrams");
   let asked = null, plots = [];
 
-  async function load() {
+  // each is calculated anew for a better evaluation
+  const load = paced(async () => {
     const { objective } = view.job;
     if (objective === null || asked === objective) return;
-    asked = objective;
     let items;
     try {
       ({ items } = await get(`/jobs/${view.id}/diagrams`));
     } catch (error) {
+      if (error.status === 0) throw error;
       return void section.querySelector("div").replaceChildren(empty(error.message));
     }
+    asked = objective;
     plots.forEach(({ remove }) => remove());
     section.hidden = items.length === 0;
     const frames = items.map(() => element("div", {}));
     section.querySelector("div").replaceChildren(...frames.map((frame, i) => element("div", {}, element("h3", {}, headingOf(items[i])), frame)));
     plots = items.map((one, i) => plot(frames[i], () => figure(one)));
     plots.forEach(({ draw }, i) => paced(draw, 100, frames[i])());
-  }
+  }, 5000);
   return { job: load };
 }
 

@@ -64,7 +64,7 @@ function warn(place, value, typical, unit) {
   if (!place) return;
   if (typeof value === "string" && /^[+-]?[\d.,]+\s*[a-z°%µ]/i.test(value)) { // refused: the service would only ask for a number
     place.hidden = false;
-    place.textContent = `${value} cannot be given in ${unit}: write a number, or a value with a unit of the same kind.`;
+    place.textContent = `${value} cannot be given in ${unit}: write a number without a thousands separator, or such a value with a unit of the same kind.`;
     return;
   }
   if (!typical) return void (place.hidden = true);

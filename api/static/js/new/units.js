@@ -48,8 +48,9 @@ function measure(unit) {
   return [factor, powers.join()];
 }
 
-/** "20 mm" as a number in the unit of a field; null where it is no value with a unit, or one of another dimension. */
+/** "20 mm" as a number in the unit of a field; null where it is no value with a unit, one of another dimension, or "1,250 mm", which may be either. */
 export function valueWithUnit(text, unit) {
+  if (/^[+-]?[1-9]\d{0,2},\d{3}(?!\d)/.test(text.trim())) return null;
   const [, given, with_] = text.trim().match(/^([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[+-]?\d+)?)\s*([^\d\s.,+-].*)$/i) ?? [];
   const from = with_ && measure(with_), to = measure(unit ?? "");
   return !from || !to || from[1] !== to[1] ? null : Number(((Number(given.replace(",", ".")) * from[0]) / to[0]).toPrecision(12));

@@ -103,7 +103,19 @@ export class Uncertainty {
       element("td", {}, at.interval ? `${ends(...at.interval)}${BASES[at.bent ? "bent" : at.interval_basis] ?? ""}${widened(at)}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
     const head = ["Parameter", "At the optimum", "Standard error", `${percent(linearisation.level)} interval${doubt(fit) ? `: does not hold. ${doubt(fit)}` : ""}`, "Influence"];
     const where = linearisation.at_optimum || linearisation.distance.every((d) => d === null) ? "" : "The search had not reached the minimum: these values are those of a point near it.";
-    return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...remarks];
+    return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...this.withoutTests(linearisation.without_tests), ...remarks];
+  }
+
+  /** The values without each of the tests, and the interval between tests. */
+  withoutTests(found) {
+    if (!found) return [];
+    const each = Object.entries(found.parameters);
+    const row = (head, cell) => element("tr", {}, element("th", { scope: "row" }, head), each.map(([, one]) => element("td", { class: "n" }, cell(one))));
+    return [element("h3", {}, "Does one test pull?"), element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Values without each test" }, element("table", {},
+      element("thead", {}, element("tr", {}, element("th", { scope: "col" }, "Tests"), each.map(([name]) => element("th", { scope: "col", class: "n" }, symbol(name))))),
+      element("tbody", {}, found.tests.map((test) => row(`without ${test}`, ({ values }) => (values[test] === null ? "–" : number(values[test], 4)))),
+        row("95 % interval between tests", ({ interval }) => (interval ? ends(...interval) : "–")), row("pulled most by", ({ pulls }) => pulls ?? "–")))),
+    element("p", { class: "help" }, "By linearisation, without further runs; each test counts as one piece of information. A dash: one test alone determines the parameter.")];
   }
 
   showProfiles(profiles) {
