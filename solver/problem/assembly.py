@@ -57,7 +57,9 @@ Model = TypeVar("Model", bound=BaseModel)
 _MOST_PARAMETERS = 100
 _MOST_OBSERVATIONS = 1000
 _MOST_ISSUES = 100
-_FORMS = "must be exactly one of free (lower, upper, scale, initial, integer), fixed (value) or linked (expression)"
+_FORMS = (
+    "must have either lower and upper (free; also scale, initial, integer), or value (fixed), or expression (linked)"
+)
 _SETTINGS = tuple(Settings.model_fields)
 
 

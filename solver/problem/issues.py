@@ -38,6 +38,8 @@ _TYPES = {
     "model_attributes_type": "a mapping",
     "none_required": "null",
 }
+_MAPPINGS = ("dict_type", "model_type", "model_attributes_type")
+_MOST_KEYS = 8
 
 
 def validated(model: type[Model], section: Any, path: str) -> tuple[Model | None, list[Issue]]:
@@ -62,7 +64,7 @@ def issues_of(error: ValidationError, section: Any, path: str, schema: Callable[
     error, section, path
         What pydantic found, in which data, and where these are in the problem file.
     schema
-        Function that gives the JSON schema of the section; called for unknown keys only, to list the known ones.
+        Function that gives the JSON schema of the section; called only to list the known keys.
     """
     found: dict[Issue, None] = {}
     schema = cache(schema)
@@ -71,7 +73,8 @@ def issues_of(error: ValidationError, section: Any, path: str, schema: Callable[
         if len(found) == _MOST_ISSUES:
             return [*found, Issue(path, f"{len(details) - place} more mistakes like these")]
         steps = _steps(detail, section)
-        message = _message(detail, partial(_accepted_keys, schema, section, steps[:-1]))
+        around = steps if detail["type"] in _MAPPINGS else steps[:-1]
+        message = _message(detail, partial(_accepted_keys, schema, section, around))
         found[Issue(join_path(path, steps), message)] = None
     return list(found)
 
@@ -137,7 +140,9 @@ def _message(detail: ErrorDetails, accepted: Callable[[], list[str]]) -> str:
         return "is missing"
     if kind in _TYPES:
         hint = "; write it without quotes" if isinstance(value, str) and _is_number(value) else ""
-        return f"must be {_TYPES[kind]}, got {given}{hint}"
+        keys = accepted() if kind in _MAPPINGS else []
+        known = _listed(" with keys such as " if keys[_MOST_KEYS:] else " with the keys ", keys[:_MOST_KEYS])
+        return f"must be {_TYPES[kind]}{known}, got {given}{hint}"
     if kind == "finite_number":
         return f"must be a finite number, got {given}"
     if kind in ("literal_error", "enum"):

@@ -255,7 +255,7 @@ def test_a_search_of_a_function_without_stopping_ends_by_what_is_stated(tmp_path
         ({"parameters": {"a": gs.free(0, 1), "B": gs.free(0, 1)}}, r"parameters.B: unknown parameter .* known: a, b"),
         ({"parameters": {"b": gs.free(0, 1)}}, r"parameters.a: is missing \(Argument of line\)"),
         ({"parameters": {"a": gs.free(2, 1)}}, "parameters.a"),
-        ({"parameters": {"a": 3}}, "parameters.a: must be exactly one of free"),
+        ({"parameters": {"a": 3}}, "parameters.a: must have either lower and upper"),
         ({"parameters": {"a": gs.free(0, 1), "x": gs.free(0, 1)}}, "parameters.x"),
         ({"parameters": {"__import__('os')": gs.free(0, 1)}}, "parameters"),
         ({"parameters": None}, "parameters: is missing"),

@@ -18,7 +18,7 @@ __all__ = ["FEWEST_GOOD_FITS", "in_words", "where_intervals_hold"]
 
 FEWEST_GOOD_FITS = 10
 _SMALLEST = 0.001  # share that is told
-_MORE_RUNS = "sample the space or calculate sensitivities at the optimum"
+_MORE_RUNS = "calculate sensitivities at the optimum, or sample the space"
 
 
 def where_intervals_hold(hidden: float | None) -> str:
@@ -79,7 +79,7 @@ def _claim(kind: VerdictKind, evidence: Evidence) -> str:
 def _of_runs(kind: VerdictKind, code: VerdictCode, evidence: Evidence, thin: str | None) -> str:
     """Reason from a sampling or a swarm."""
     if code == "swarm":
-        return f"a swarm crowds where it was drawn to, so the spread of its particles proves nothing; {_MORE_RUNS}"
+        return f"the runs of a search cluster around its best fit, so their spread gives no interval; {_MORE_RUNS}"
     if code == "few_good_fits":
         return f"only {evidence.good_fits} samples fit well, at least {FEWEST_GOOD_FITS} are needed; {_MORE_RUNS}"
     if code == "thin":

@@ -41,7 +41,7 @@ CASES: list[tuple[VerdictKind, VerdictCode, Evidence, tuple[str, ...]]] = [
     ("undecided", "untried", replace(OPTIMUM, exchangeable=("b", "c")), (*RANGE, "a and b or c may be exchanged")),
     ("lack_of_fit", "misfit", RUNS, ("the model does not describe the data", *RANGE)),
     ("error_not_met", "misfit", OPTIMUM, ("the stated error is not met", *RANGE)),
-    ("undecided", "swarm", NOTHING, ("a swarm crowds",)),
+    ("undecided", "swarm", NOTHING, ("the runs of a search cluster",)),
     ("undecided", "few_good_fits", NOTHING, ("only 3 samples", "at least 10")),
     ("undecided", "thin", NOTHING, ("too thin to judge",)),
 ]
