@@ -6,7 +6,7 @@
 ``server``      :func:`serve`: uvicorn on a port that is checked first, with a quick, graceful stop
 ``errors``      what goes wrong, as RFC 9457 problem details
 ``access``      the door: keys, sessions, hosts, origins; limits of size, number and time
-``heavy``       processes that read, build and report, with limits of their own; ``heavy_program`` runs in them
+``compute``       processes that read, build and report, with limits of their own; ``compute_program`` runs in them
 ``events``      one poller a watched job, many listeners: the source of the event streams
 ``schemas``     the models of every response
 ``routes``      one module a resource

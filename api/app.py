@@ -14,10 +14,10 @@ from geoswarm.api.access.gate import SIGN_IN, Gate
 from geoswarm.api.access.intake import Intake
 from geoswarm.api.access.limits import Shares
 from geoswarm.api.assets import Assets
+from geoswarm.api.compute.middleware import ComputeMiddleware
 from geoswarm.api.errors import ProblemDetail, install_error_handlers
 from geoswarm.api.events.feed import EventFeed
 from geoswarm.api.events.open_work import OpenWorkWatch
-from geoswarm.api.heavy.middleware import HeavyWork
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
@@ -30,7 +30,7 @@ from geoswarm.workers.agents.handed_out import HandedOut
 from geoswarm.workers.service.job_service import JobService
 
 if TYPE_CHECKING:
-    from geoswarm.api.heavy.pool import HeavyPool
+    from geoswarm.api.compute.pool import ComputePool
 
 __all__ = ["create_app"]
 
@@ -55,7 +55,7 @@ def create_app(
     service: JobService,
     settings: ApiSettings | None = None,
     *,
-    pool: HeavyPool | None = None,
+    pool: ComputePool | None = None,
     door: bool = True,
 ) -> FastAPI:
     """Build the application on a service that the caller opens and closes.
@@ -97,7 +97,7 @@ def create_app(
     app.state.authenticator = Authenticator(settings, service)
     app.state.requests = RequestMetrics()
     if pool is not None:
-        app.add_middleware(HeavyWork, pool=pool, settings=settings)
+        app.add_middleware(ComputeMiddleware, pool=pool, settings=settings)
     if door:
         app.add_middleware(Intake, settings=settings)  # inside the gate, which tells whose bytes they are
         app.add_middleware(Gate, settings=settings, authenticator=app.state.authenticator)

@@ -16,10 +16,10 @@ import uvicorn
 from geoswarm.api.access.connections import Config, Connection, Connections, most_connections, raise_descriptors
 from geoswarm.api.app import create_app
 from geoswarm.api.assets import Assets
+from geoswarm.api.compute.pool import ComputePool
 from geoswarm.api.errors import PortInUseError
 from geoswarm.api.events.feed import EventFeed
 from geoswarm.api.events.open_work import OpenWorkWatch
-from geoswarm.api.heavy.pool import HeavyPool
 from geoswarm.api.settings import ApiSettings
 from geoswarm.workers.service.job_service import JobService
 
@@ -75,7 +75,7 @@ class Server(uvicorn.Server):
         open_work: OpenWorkWatch,
         assets: Assets,
         on_started: Callable[[], None] | None = None,
-        pool: HeavyPool | None = None,
+        pool: ComputePool | None = None,
     ) -> None:
         super().__init__(config)
         self._pool = pool
@@ -137,7 +137,7 @@ def serve(
     *,
     listener: socket.socket | None = None,
     on_started: Callable[[str], None] | None = None,
-    heavy: bool = False,
+    compute: bool = False,
 ) -> None:
     """Serve until SIGINT or SIGTERM, then stop gracefully within some 2 s and return.
 
@@ -153,7 +153,7 @@ def serve(
         From :func:`bind`, to have the port checked before the engine starts; replaces ``host`` and ``port``.
     on_started
         Called with the base URL as soon as requests are answered.
-    heavy
+    compute
         Requests that calculate get processes of their own.
 
     Raises
@@ -163,7 +163,7 @@ def serve(
     """
     taken = listener or bind(host, port)
     try:
-        server = build_server(service, taken, settings, on_started, heavy=heavy)
+        server = build_server(service, taken, settings, on_started, compute=compute)
         server.run(sockets=[taken])
     finally:
         taken.close()
@@ -175,14 +175,14 @@ def build_server(
     settings: ApiSettings | None = None,
     on_started: Callable[[str], None] | None = None,
     *,
-    heavy: bool = False,
+    compute: bool = False,
 ) -> Server:
     """Put application and uvicorn together for a listening socket.
 
-    ``heavy``: requests that calculate get processes of their own.
+    ``compute``: requests that calculate get processes of their own.
     """
     settings = settings or ApiSettings()
-    pool = HeavyPool(service, settings) if heavy and settings.heavy_processes else None
+    pool = ComputePool(service, settings) if compute and settings.compute_processes else None
     app = create_app(service, settings, pool=pool)
     most = most_connections(settings.max_connections, raise_descriptors())
     app.state.streams.in_all = min(settings.event_streams, most // 2)  # there is always room for other requests

@@ -35,9 +35,9 @@ VARIABLES: dict[str, str] = {
     "agent_requests_per_second": "GEOSWARM_AGENT_REQUESTS_PER_SECOND",
     "agent_wait_seconds": "GEOSWARM_AGENT_WAIT_SECONDS",
     "signed_models": "GEOSWARM_SIGNED_MODELS",
-    "heavy_processes": "GEOSWARM_HEAVY_PROCESSES",
-    "heavy_seconds": "GEOSWARM_HEAVY_SECONDS",
-    "heavy_memory_mb": "GEOSWARM_HEAVY_MEMORY_MB",
+    "compute_processes": "GEOSWARM_COMPUTE_PROCESSES",
+    "compute_seconds": "GEOSWARM_COMPUTE_SECONDS",
+    "compute_memory_mb": "GEOSWARM_COMPUTE_MEMORY_MB",
 }
 
 
@@ -82,12 +82,12 @@ class ApiSettings(BaseModel):
         How long agents are asked to wait for work in one request [s]; less than proxies in between wait for an answer.
     signed_models
         File with the signed list of the registered models that agents may fetch; None: they are given none.
-    heavy_processes
+    compute_processes
         Processes for requests that calculate: test runs, statistics, reports, problems that are read; 0: none, these
         requests are worked on in the process of the service.
-    heavy_seconds, heavy_memory_mb
+    compute_seconds, compute_memory_mb
         Time [s] and memory [MiB] that one such request may take.
-    heavy_wait_seconds
+    compute_wait_seconds
         Time that one may wait for its turn [s].
     heartbeat_seconds
         An event stream whose key or session is no longer valid ends within this time; a silent one sends comments
@@ -116,10 +116,10 @@ class ApiSettings(BaseModel):
     agent_requests_per_second: float = Field(default=1000.0, ge=0.0, allow_inf_nan=False)
     agent_wait_seconds: float = Field(default=50.0, ge=5.0, le=LONGEST_WAIT)
     signed_models: Path | None = None
-    heavy_processes: int = Field(default=3, ge=0, le=64)
-    heavy_seconds: float = Field(default=120.0, gt=0.0)
-    heavy_memory_mb: float = Field(default=2048.0, ge=256.0)
-    heavy_wait_seconds: float = Field(default=30.0, gt=0.0)
+    compute_processes: int = Field(default=3, ge=0, le=64)
+    compute_seconds: float = Field(default=120.0, gt=0.0)
+    compute_memory_mb: float = Field(default=2048.0, ge=256.0)
+    compute_wait_seconds: float = Field(default=30.0, gt=0.0)
     heartbeat_seconds: float = Field(default=10.0, gt=0.0, le=20.0)
     poll_seconds: float = Field(default=0.1, gt=0.0, le=10.0)
 

@@ -34,10 +34,10 @@ from benchmarks._postgres import PostgresWork
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.access.keys import ApiKeys
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.servers import PostgresServer, free_port
 
 AGENTS_A_KEY = 1000
@@ -165,7 +165,7 @@ async def measure(
     }
     if agents.count:
         asked = time.monotonic()
-        await asyncio.to_thread(JobService(store, MuteDoorbell()).submit, parse_problem(PROBLEM))
+        await asyncio.to_thread(JobService(store, NoWaker()).submit, parse_problem(PROBLEM))
         while agents.first is None and time.monotonic() < asked + 30.0:
             await asyncio.sleep(0.005)
         found["woken"] = None if agents.first is None else 1e3 * (agents.first - asked)
@@ -197,7 +197,7 @@ def main() -> None:
             store = Store(Settings(database_url=url))
             keys = [ApiKeys(store).create("idle", "agent")[0] for _ in range(max(1, -(-count // AGENTS_A_KEY)))]
             port = free_port()
-            environment = os.environ | {"GEOSWARM_MAX_CONNECTIONS": "5000", "GEOSWARM_HEAVY_PROCESSES": "1"}
+            environment = os.environ | {"GEOSWARM_MAX_CONNECTIONS": "5000", "GEOSWARM_COMPUTE_PROCESSES": "1"}
             command = [sys.executable, "-m", "geoswarm", "serve", "--workers", "0", "--port", str(port)]
             service = subprocess.Popen([*command, "--database", url], env=environment, stderr=subprocess.DEVNULL)
             address = f"http://127.0.0.1:{port}"

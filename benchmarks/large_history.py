@@ -24,13 +24,13 @@ from sqlalchemy import event, insert, text, update
 from geoswarm.api import ApiSettings, create_app
 from geoswarm.api.events.feed import GATHER_SECONDS
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_array, pack_json, pack_responses
 from geoswarm.workers.store.tables import evaluations, events, generations, jobs
+from geoswarm.workers.waker import NoWaker
 
 API = "/api/v1"
 PARTICLES = 10
@@ -282,7 +282,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         url = options.database or f"sqlite:///{folder}/jobs.db"
         store = Store(Settings(database_url=url, workers=1))
-        service = JobService(store, MuteDoorbell())
+        service = JobService(store, NoWaker())
         job_id = service.submit(parse_problem(PROBLEM))[0].id
         began = time.perf_counter()
         fill(store, job_id, options.evaluations)

@@ -33,12 +33,12 @@ from benchmarks.large_history import API, PROBLEM, exported, fill
 from geoswarm.api import ApiSettings, create_app
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.access.principal import Principal
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.operations.retention import delete_job, prune
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import evaluations, events, generations, jobs
+from geoswarm.workers.waker import NoWaker
 from tests.servers import PostgresServer
 
 BYTES_A_ROW = 700  # with indexes, generations and events, and the write-ahead log meanwhile
@@ -155,7 +155,7 @@ async def requests(service: JobService, job_id: str, generation: int) -> list[st
 async def engine(store: Store, job_id: str) -> list[str]:
     """Time what is done for every job, with all of that history beside it; return what took too long."""
     slow = []
-    own = JobService(store, MuteDoorbell(), Settings(database_url=store.engine.url.render_as_string(False)))
+    own = JobService(store, NoWaker(), Settings(database_url=store.engine.url.render_as_string(False)))
     owner = own.on_behalf_of(Principal("owner-3", "submit"))
     number = iter(range(10_000))
 
@@ -217,7 +217,7 @@ def main() -> None:
     with PostgresServer() as server:
         url = server.create_database()
         store = Store(Settings(database_url=url, workers=1))
-        service = JobService(store, MuteDoorbell())
+        service = JobService(store, NoWaker())
         template = service.submit(parse_problem(PROBLEM))[0].id
         began = time.perf_counter()
         fill(store, template, options.evaluations)

@@ -51,14 +51,14 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.system.processes import memory_of
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, HandIn, Result
-from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, Result, Submission
 from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_problem
+from geoswarm.workers.waker import NoWaker
 from tests.servers import PostgresServer
 
 IDLE_SECONDS = 2.0  # a worker that nobody rings for looks by itself
@@ -151,13 +151,13 @@ class Load:
         """Claim, sleep, hand in, for ever."""
         name = f"simulated-{number}"
         loop = asyncio.get_running_loop()
-        hand_in, turn = HandIn(), True
+        submission, turn = Submission(), True
         await asyncio.sleep(self.random.random() * min(self.seconds, 1.0))
         while True:
             asked = time.perf_counter()
-            answer = await loop.run_in_executor(self.pool, self._exchange, job, name, hand_in, turn)
-            self._count(time.perf_counter() - asked, len(hand_in.results))
-            hand_in, turn = HandIn(), False
+            answer = await loop.run_in_executor(self.pool, self._exchange, job, name, submission, turn)
+            self._count(time.perf_counter() - asked, len(submission.results))
+            submission, turn = Submission(), False
             if answer.queued:
                 start = job.course.start(job.workers)
                 await loop.run_in_executor(self.pool, self.runtime.start, job.id, start)
@@ -169,7 +169,7 @@ class Load:
                 await job.wait()
                 continue
             self.held[name] = answer.claim
-            hand_in = await self._run(answer.claim)
+            submission = await self._run(answer.claim)
             del self.held[name]
 
     async def beat(self) -> None:
@@ -181,18 +181,18 @@ class Load:
             renew = self.runtime.renew
             await asyncio.gather(*(loop.run_in_executor(self.pool, renew, claim, name) for name, claim in held))
 
-    def _exchange(self, job: Job, name: str, hand_in: HandIn, turn: bool) -> Exchange:
+    def _exchange(self, job: Job, name: str, submission: Submission, turn: bool) -> Exchange:
         if self.alone:
-            return self.together(job, [Asked(name, hand_in, job.workers, want=True, taken_up=turn)])[0]
+            return self.together(job, [Asked(name, submission, job.workers, want=True, taken_up=turn)])[0]
         return self.runtime.exchange(
-            job.id, name, job.course, hand_in, live_workers=job.workers, want=True, taken_up=turn
+            job.id, name, job.course, submission, live_workers=job.workers, want=True, taken_up=turn
         )
 
     def together(self, job: Job, asked: list[Asked]) -> list[Exchange]:
         """Exchange for several workers in one transaction."""
         return self.runtime._exchange(job.id, job.course, asked)
 
-    async def _run(self, claim: Claim) -> HandIn:
+    async def _run(self, claim: Claim) -> Submission:
         results = self.made_up(claim)
         for result in results:
             run = object()
@@ -201,7 +201,7 @@ class Load:
             del self.under_way[run]
             if self.tally.open:
                 self.tally.busy += time.perf_counter() - max(began, self.tally.began)
-        return HandIn(claim, (), claim.generation, results)
+        return Submission(claim, (), claim.generation, results)
 
     def made_up(self, claim: Claim) -> list[Result]:
         """Return results as forward runs would give them."""
@@ -296,13 +296,13 @@ def case(
     url = server.create_database()
     settings = Settings(database_url=url, workers=1)
     store = Store(settings)
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     share = max(1, workers // jobs)
     count = min(jobs, workers)
     ids = [service.submit(parse_problem(problem(particles or max(share, 2))))[0].id for _ in range(count)]
     made = [Job(store, job_id, share) for job_id in ids]
     load = Load(Runtime(store, settings), made, seconds, options.spread, options.threads, alone=options.alone)
-    sweeper = Sweeper(load.runtime, MuteDoorbell())
+    sweeper = Sweeper(load.runtime, NoWaker())
     sweeper.start()
     try:
         yield load, url
@@ -325,7 +325,7 @@ def costs(server: PostgresServer, together: list[int]) -> None:
             url = server.create_database()
             settings = Settings(database_url=url, workers=1)
             store = Store(settings)
-            service = JobService(store, MuteDoorbell(), settings)
+            service = JobService(store, NoWaker(), settings)
             job = Job(store, service.submit(parse_problem(problem(particles)))[0].id, particles)
             runtime = Runtime(store, settings)
             runtime.start(job.id, job.course.start(particles))
@@ -333,12 +333,12 @@ def costs(server: PostgresServer, together: list[int]) -> None:
             watch = Server(url, server.pid)
             load = Load(runtime, [job], 60.0, 0.0, 1)
             names = [f"simulated-{number}" for number in range(size)]
-            hand_ins = [HandIn() for _ in names]
+            submissions = [Submission() for _ in names]
             rounds = max(10, min(100, 2 * particles) // size)
-            exchange(load, job, names, hand_ins)
+            exchange(load, job, names, submissions)
             cpu, own, wal, began = watch.seconds(), time.process_time(), watch.wal(), time.perf_counter()
             for _ in range(rounds):
-                exchange(load, job, names, hand_ins)
+                exchange(load, job, names, submissions)
             count = rounds * size
             wall, own = time.perf_counter() - began, time.process_time() - own
             cpu, wal = watch.seconds() - cpu, watch.wal() - wal
@@ -352,12 +352,14 @@ def costs(server: PostgresServer, together: list[int]) -> None:
             server.drop_database(url)
 
 
-def exchange(load: Load, job: Job, names: list[str], hand_ins: list[HandIn]) -> None:
+def exchange(load: Load, job: Job, names: list[str], submissions: list[Submission]) -> None:
     """Hand in and claim, for all names in one transaction; the runs take no time but say that they took a minute."""
-    asked = [Asked(name, one, job.workers, want=True) for name, one in zip(names, hand_ins, strict=True)]
+    asked = [Asked(name, one, job.workers, want=True) for name, one in zip(names, submissions, strict=True)]
     for number, answer in enumerate(load.together(job, asked)):
         claim = answer.claim
-        hand_ins[number] = HandIn() if claim is None else HandIn(claim, (), claim.generation, load.made_up(claim))
+        submissions[number] = (
+            Submission() if claim is None else Submission(claim, (), claim.generation, load.made_up(claim))
+        )
 
 
 def numbers(text: str, kind: type[Any]) -> list[Any]:

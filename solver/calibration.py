@@ -17,11 +17,11 @@ from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.search import Runs
 from geoswarm.solver.space import search_space
 
-__all__ = ["Calibration", "Evaluation", "Offer", "choose_seed", "with_further_tries"]
+__all__ = ["Calibration", "Evaluation", "WarmStartRuns", "choose_seed", "with_further_tries"]
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
+class WarmStartRuns:
     """Runs of earlier jobs with the same forward model that a search may learn from.
 
     Parameters
@@ -79,7 +79,7 @@ class Calibration:
         When the forward model cannot be prepared for the observed points.
     """
 
-    def __init__(self, problem: Problem, seed: int, offer: Offer | None = None) -> None:
+    def __init__(self, problem: Problem, seed: int, offer: WarmStartRuns | None = None) -> None:
         self.problem = problem
         self.seed = seed
         self.free_names = problem.free_names

@@ -167,7 +167,7 @@ _AFTER = {
 _SOURCES = {
     "oedometer": "element_test/constant_load.py",
     "section": "fem/solve.py",
-    "element_test": "element_test/legs.py",
+    "element_test": "element_test/load_paths.py",
     "consolidation": "element_test/column_steps.py",
 }
 """Where the kernels of the samples begin; below solver."""

@@ -75,7 +75,7 @@ class Settings(BaseModel):
     sweep_seconds
         Time between two sweeps [s].
     poll_seconds
-        How long an embedded worker waits for the doorbell before it looks by itself [s].
+        How long an embedded worker waits for the waker before it looks by itself [s].
     slice_seconds
         After this time [s] a worker lets other jobs in.
     chunk_seconds
@@ -83,7 +83,7 @@ class Settings(BaseModel):
     cheap_seconds, single_seconds
         Evaluations that typically take less than the first [s] go out in one chunk a worker, those that take longer
         than the second one by one, those between in chunks that get smaller.
-    burst_seconds
+    local_batch_seconds
         Generations that take less in total [s] are run several at a time inside one worker; 0 turns that off.
     watch_seconds
         How often a worker looks whether what it runs is still wanted [s].
@@ -137,7 +137,7 @@ class Settings(BaseModel):
     chunk_seconds: float = Field(0.5, gt=0)
     cheap_seconds: float = Field(0.05, ge=0)
     single_seconds: float = Field(1.0, ge=0)
-    burst_seconds: float = Field(0.02, ge=0)
+    local_batch_seconds: float = Field(0.02, ge=0)
     watch_seconds: float = Field(0.5, gt=0)
     pause_seconds: float = Field(1.0, ge=0)
     overdue_seconds: float = Field(30.0, gt=0)

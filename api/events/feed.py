@@ -26,7 +26,7 @@ from geoswarm.records.event import Event
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.service.job_service import JobService
-from geoswarm.workers.store.event_bell import EventBell
+from geoswarm.workers.store.event_listener import EventListener
 
 __all__ = ["EventFeed"]
 
@@ -94,7 +94,7 @@ class EventFeed:
         self._limiter: anyio.CapacityLimiter | None = None
         self._closed = False
         self._poller: asyncio.Task[None] | None = None
-        self._bell: EventBell | None = None
+        self._listener: EventListener | None = None
         self._rung = asyncio.Event()
 
     @property
@@ -179,10 +179,10 @@ class EventFeed:
             if self._poller is None or self._poller.done():
                 self._rest()
                 self._poller = asyncio.create_task(self._follow(), name="events of watched jobs")
-                self._bell = EventBell(
+                self._listener = EventListener(
                     self._service.store, partial(_set_from_thread, asyncio.get_running_loop(), self._rung)
                 )
-                self._bell.start()
+                self._listener.start()
         tail.listeners += 1
         return tail
 
@@ -197,9 +197,9 @@ class EventFeed:
         if self._poller is not None:
             self._poller.cancel()
             self._poller = None
-        if self._bell is not None:
-            self._bell.stop()
-            self._bell = None
+        if self._listener is not None:
+            self._listener.stop()
+            self._listener = None
 
     async def _follow(self) -> None:
         check_at = time.monotonic() + EXISTENCE_SECONDS
@@ -217,7 +217,7 @@ class EventFeed:
                 await asyncio.sleep(RETRY_SECONDS)
                 continue
             if count < BATCH:
-                patience = QUIET_SECONDS if self._bell is not None and self._bell.live else self._poll
+                patience = QUIET_SECONDS if self._listener is not None and self._listener.live else self._poll
                 with contextlib.suppress(TimeoutError):
                     await asyncio.wait_for(self._rung.wait(), patience)
                     pause = looked + PACE_SECONDS - time.monotonic() if count else 0.0

@@ -18,7 +18,7 @@ import anyio.to_thread
 from geoswarm.workers.agents.desk import AgentDesk, OpenWork, accepts
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.service.job_service import JobService
-from geoswarm.workers.store.event_bell import EventBell
+from geoswarm.workers.store.event_listener import EventListener
 
 __all__ = ["OpenWorkWatch"]
 
@@ -48,7 +48,7 @@ class OpenWorkWatch:
     Parameters
     ----------
     service
-        Whose store and doorbell agents are served with.
+        Whose store and waker agents are served with.
     poll_seconds
         Interval at which it is looked for work while somebody waits [s]. When there was none for a while it is longer,
         until the database tells of news.
@@ -65,13 +65,13 @@ class OpenWorkWatch:
         self._wanted = WOKEN
         self._work: OpenWork = ()
         self._looked_at = self._worked_at = -math.inf
-        self._bell: EventBell | None = None
+        self._listener: EventListener | None = None
         self._told = False
 
     @cached_property
     def desk(self) -> AgentDesk:
         """Where agents are served; made when the first one comes."""
-        return AgentDesk(self._service.store, self._service.doorbell, self._service.settings)
+        return AgentDesk(self._service.store, self._service.waker, self._service.settings)
 
     @property
     def waiting(self) -> int:
@@ -84,11 +84,11 @@ class OpenWorkWatch:
             self._limiter = anyio.CapacityLimiter(THREADS)
             loop = asyncio.get_running_loop()
 
-            def ring(_job_id: str, number: int) -> None:
+            def wake(_job_id: str, number: int) -> None:
                 with contextlib.suppress(RuntimeError):  # the loop has ended before the thread
                     loop.call_soon_threadsafe(self._ring, number)
 
-            self.desk.on_work = ring
+            self.desk.on_work = wake
         return await anyio.to_thread.run_sync(call, limiter=self._limiter)
 
     def nothing_for(self, offers: frozenset[str], left: float | None) -> bool:
@@ -110,15 +110,15 @@ class OpenWorkWatch:
         self._waiters[waiter] = None
         if self._poller is None or self._poller.done():
             self._poller = asyncio.create_task(self._follow(), name="work for agents")
-        if self._bell is None:
+        if self._listener is None:
             loop = asyncio.get_running_loop()
 
             def hear() -> None:
                 with contextlib.suppress(RuntimeError):  # the loop has ended before the thread
                     loop.call_soon_threadsafe(self._hear)
 
-            self._bell = EventBell(self._service.store, hear)
-            self._bell.start()
+            self._listener = EventListener(self._service.store, hear)
+            self._listener.start()
         try:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(waiter.woken.wait(), seconds)
@@ -132,8 +132,8 @@ class OpenWorkWatch:
     def close(self) -> None:
         """Let nobody wait any longer; called in the event loop."""
         self.closed = True
-        if self._bell is not None:
-            self._bell.stop()
+        if self._listener is not None:
+            self._listener.stop()
         for waiter in self._waiters:
             waiter.woken.set()
 
@@ -181,4 +181,4 @@ class OpenWorkWatch:
     def _interval(self) -> float:
         if time.monotonic() - self._worked_at <= QUIET_SECONDS:
             return self._poll
-        return self._poll * (TOLD_FACTOR if self._bell is not None and self._bell.live else QUIET_FACTOR)
+        return self._poll * (TOLD_FACTOR if self._listener is not None and self._listener.live else QUIET_FACTOR)

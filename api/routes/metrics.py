@@ -17,11 +17,11 @@ from prometheus_client.registry import Collector
 
 from geoswarm.api.dependencies import Feed, Service, problems_of
 from geoswarm.records.states import JOB_STATES
+from geoswarm.workers.operations.counters import BUCKETS
 from geoswarm.workers.operations.measures import Measures
-from geoswarm.workers.operations.tally import BUCKETS
 
 if TYPE_CHECKING:
-    from geoswarm.api.heavy.pool import HeavyPool
+    from geoswarm.api.compute.pool import ComputePool
 
 __all__ = ["CONTENT_TYPE", "router"]
 
@@ -38,7 +38,7 @@ CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 def metrics(service: Service, feed: Feed, request: Request) -> PlainTextResponse:
     """Show the metrics of the installation and of this process, for Prometheus, without details of jobs."""
     registry = CollectorRegistry()
-    pool: HeavyPool | None = request.app.state.pool
+    pool: ComputePool | None = request.app.state.pool
     registry.register(_Installation(service.measures(), feed.listeners, 0 if pool is None else pool.busy))
     text = generate_latest(registry) + generate_latest(request.app.state.requests.registry)
     return PlainTextResponse(text, media_type=CONTENT_TYPE)
@@ -47,9 +47,9 @@ def metrics(service: Service, feed: Feed, request: Request) -> PlainTextResponse
 class _Installation(Collector):
     """The measures in the words of Prometheus."""
 
-    def __init__(self, measures: Measures, streams: int, heavy: int) -> None:
+    def __init__(self, measures: Measures, streams: int, compute: int) -> None:
         self._measures = measures
-        self._heavy = heavy
+        self._compute = compute
         self._streams = streams
 
     def collect(self) -> Iterator[Metric]:
@@ -68,9 +68,9 @@ class _Installation(Collector):
         yield _gauge("geoswarm_workers", "Worker processes in each state.", "state", m.workers)
         yield GaugeMetricFamily("geoswarm_event_streams", "Open event streams of this process.", value=self._streams)
         yield GaugeMetricFamily(
-            "geoswarm_heavy_busy",
+            "geoswarm_compute_busy",
             "Processes at work on a request that calculates.",
-            value=self._heavy,
+            value=self._compute,
         )
         yield _counter("geoswarm_runs", "Forward runs by outcome.", "outcome", self._labels("runs", ["finished"]))
         yield self._seconds()

@@ -161,14 +161,14 @@ def serve_command(
                 refuse_open_door(host, api_key, settings)
             keys = ApiKeys(engine.service.store).used()
             api_settings = api_settings.model_copy(update={"require_key": keys})
-            if settings.isolate and api_settings.heavy_processes:  # else requests that calculate are answered here
+            if settings.isolate and api_settings.compute_processes:  # else requests that calculate are answered here
                 isolate_foreign_models(settings.build_memory_mb, settings.passed_environment)
             engine_name = "remote workers" if settings.broker_url else f"{settings.workers} worker processes"
             serve(
                 engine.service,
                 settings=api_settings,
                 listener=listener,
-                heavy=True,
+                compute=True,
                 on_started=lambda url: note(f"geoswarm serves at {url} with {engine_name}; Ctrl-C stops it."),
             )
             leave_at_last(settings.grace_seconds + LONGEST_END_SECONDS)

@@ -6,7 +6,7 @@ from datetime import datetime
 from types import NoneType, UnionType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-from geoswarm.records.record import Number, record, told
+from geoswarm.records.record import Number, described, record
 from geoswarm.records.states import EvaluationState
 
 __all__ = ["COLUMNS", "Attempt", "Best", "Column", "Evaluation", "Response"]
@@ -18,10 +18,10 @@ class Attempt:
 
     number: int
     worker: str | None
-    outcome: str = told("running, finished, the kind of failure, or why it does not count: late, overdue, stopped")
-    counted: bool = told("it gave the evaluation's result")
+    outcome: str = described("running, finished, the kind of failure, or why it does not count: late, overdue, stopped")
+    counted: bool = described("it gave the evaluation's result")
     message: str | None
-    log: str | None = told("end of what the forward model wrote")
+    log: str | None = described("end of what the forward model wrote")
     started_at: datetime | None
     finished_at: datetime | None
 
@@ -44,15 +44,15 @@ class Evaluation:
     parameters: dict[str, float]
     objective: Number
     misfits: dict[str, Number]
-    responses: dict[str, Response] | None = told("only with responses=true")
-    reason: str | None = told("kind of failure")
-    message: str | None = told("what happened")
+    responses: dict[str, Response] | None = described("only with responses=true")
+    reason: str | None = described("kind of failure")
+    message: str | None = described("what happened")
     attempts: int
     worker: str | None
     started_at: datetime | None
     finished_at: datetime | None
     seconds: float | None
-    log: str | None = told("end of what a failed forward model wrote")
+    log: str | None = described("end of what a failed forward model wrote")
 
 
 @record
@@ -61,7 +61,7 @@ class Column:
 
     name: str
     kind: type[int] | type[float] | type[str] | type[datetime]
-    leading: bool = told("before the columns of parameters and misfits")
+    leading: bool = described("before the columns of parameters and misfits")
 
 
 def _columns() -> tuple[Column, ...]:

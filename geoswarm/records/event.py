@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from geoswarm.records.record import record, told
+from geoswarm.records.record import described, record
 from geoswarm.records.states import ENDED_STATES
 
 __all__ = ["Event"]
@@ -15,7 +15,7 @@ class Event:
     """Something that happened to a job; ids grow with time, so that a reader can continue after the last one seen."""
 
     id: int
-    kind: str = told("state, generation or kernels")
+    kind: str = described("state, generation or kernels")
     data: dict[str, Any]
 
     @property

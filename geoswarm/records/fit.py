@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from geoswarm.records.arrays import Floats, Measured
-from geoswarm.records.record import Number, record, told
+from geoswarm.records.record import Number, described, record
 from geoswarm.records.statistics import SeriesShare
 
 __all__ = ["Fit", "FitCurve", "FitDiagram", "FitDiagrams", "FitParameter", "FitSeries"]
@@ -17,15 +17,15 @@ class FitParameter:
 
     name: str
     symbol: str
-    unit: str = told("empty for a pure number")
+    unit: str = described("empty for a pure number")
     form: Literal["free", "fixed", "linked"]
-    value: float | None = told("of a fixed one")
-    expression: str | None = told("of a linked one")
+    value: float | None = described("of a fixed one")
+    expression: str | None = described("of a linked one")
     lower: float | None
     upper: float | None
     scale: Literal["linear", "log"] | None
     initial: float | None
-    typical_lower: float | None = told(
+    typical_lower: float | None = described(
         "ends of the usual range of the quantity; null where none is known", default=None
     )
     typical_upper: float | None = None
@@ -43,30 +43,30 @@ class FitSeries:
     weight: float
     x: Measured
     measured: Measured
-    breaks: Measured = told("x at which a load is applied")
-    gross_x: Measured = told("of readings marked as gross errors, which are in no misfit")
+    breaks: Measured = described("x at which a load is applied")
+    gross_x: Measured = described("of readings marked as gross errors, which are in no misfit")
     gross_measured: Measured
-    x_names: list[str] = told("what x = 1, 2, ... is called; empty where x is a quantity", default_factory=list)
+    x_names: list[str] = described("what x = 1, 2, ... is called; empty where x is a quantity", default_factory=list)
 
 
 @record(eq=False)
 class FitCurve:
     """Calculated values of one evaluation at the measured points."""
 
-    role: Literal["initial", "best", "chosen"] = told("initial: the first evaluation that succeeded")
+    role: Literal["initial", "best", "chosen"] = described("initial: the first evaluation that succeeded")
     generation: int
     particle: int
     objective: Number
-    parameters: dict[str, float] = told("all of them, by name")
+    parameters: dict[str, float] = described("all of them, by name")
     shares: list[SeriesShare]
-    values: dict[str, Floats] = told("calculated values of each series, in its y_unit")
+    values: dict[str, Floats] = described("calculated values of each series, in its y_unit")
 
 
 @record(eq=False)
 class Fit:
     """Measured points, and what the first and the best evaluation give there."""
 
-    objective_unit: str = told("empty where series of different units add up")
+    objective_unit: str = described("empty where series of different units add up")
     parameters: list[FitParameter]
     series: list[FitSeries]
     curves: list[FitCurve]
@@ -76,16 +76,16 @@ class Fit:
 class FitDiagram:
     """A diagram that engineers draw of a test: one quantity over another, measured and of the best evaluation."""
 
-    name: str = told("as the figure of the report is called")
+    name: str = described("as the figure of the report is called")
     heading: str
-    test: str = told("name of the test in a combined model; empty otherwise")
+    test: str = described("name of the test in a combined model; empty otherwise")
     x_quantity: str
     y_quantity: str
     x_unit: str
     y_unit: str
-    log: bool = told("x is logarithmic")
-    downwards: bool = told("y grows downwards")
-    x: Floats = told("of the calculated line; null between pieces that are not joined")
+    log: bool = described("x is logarithmic")
+    downwards: bool = described("y grows downwards")
+    x: Floats = described("of the calculated line; null between pieces that are not joined")
     y: Floats
     measured_x: Measured
     measured_y: Measured

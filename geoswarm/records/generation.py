@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from geoswarm.records.record import Number, record, told
+from geoswarm.records.record import Number, described, record
 
 __all__ = ["Generation"]
 
@@ -14,13 +14,13 @@ class Generation:
     """One finished generation."""
 
     number: int
-    evaluations: int = told("total so far")
-    failed: int = told("failed evaluations so far")
-    best_objective: Number = told("lowest objective inside this generation")
-    objective: Number = told("lowest objective so far")
-    parameters: dict[str, float] | None = told("parameters of the lowest objective so far")
+    evaluations: int = described("total so far")
+    failed: int = described("failed evaluations so far")
+    best_objective: Number = described("lowest objective inside this generation")
+    objective: Number = described("lowest objective so far")
+    parameters: dict[str, float] | None = described("parameters of the lowest objective so far")
     created_at: datetime
     finished_at: datetime
-    diversity: float | None = told(
+    diversity: float | None = described(
         "scatter of the particles: near 1 all over the space, 0 at one point; null: not requested"
     )

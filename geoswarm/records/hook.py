@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Literal
 
-from geoswarm.records.record import record, told
+from geoswarm.records.record import described, record
 from geoswarm.records.states import DeliveryState, EndedState
 
 __all__ = ["Hook", "NewHook"]
@@ -17,22 +17,22 @@ class Hook:
 
     id: str
     kind: Literal["web", "mail"]
-    target: str = told("address to notify: https://... or an e-mail address")
-    states: list[EndedState] = told("only jobs that ended in one of these states")
-    job: str | None = told("the only job to report; null: all jobs of the owner")
+    target: str = described("address to notify: https://... or an e-mail address")
+    states: list[EndedState] = described("only jobs that ended in one of these states")
+    job: str | None = described("the only job to report; null: all jobs of the owner")
     owner: str | None
     created_at: datetime
-    last_state: DeliveryState | None = told("state of the newest message; null: there was none")
-    last_at: datetime | None = told("when that message was made")
+    last_state: DeliveryState | None = described("state of the newest message; null: there was none")
+    last_at: datetime | None = described("when that message was made")
     last_tries: int | None
-    last_error: str | None = told("why its last attempt failed")
+    last_error: str | None = described("why its last attempt failed")
 
 
 @record
 class NewHook:
     """A new hook."""
 
-    secret: str | None = told(
+    secret: str | None = described(
         "secret that signs its requests, shown only now; null for e-mail, which is not signed", repr=False
     )
     view: Hook

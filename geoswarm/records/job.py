@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from geoswarm.records.record import Number, record, told
+from geoswarm.records.record import Number, described, record
 from geoswarm.records.states import ENDED_STATES, JobState
 from geoswarm.records.statistics import FitKind, SeriesShare
 
@@ -16,7 +16,7 @@ class SearchBest:
     """The best evaluation of a search, before the runs that followed it."""
 
     objective: float
-    parameters: dict[str, float] = told("all parameters")
+    parameters: dict[str, float] = described("all parameters")
 
 
 @record
@@ -28,50 +28,50 @@ class Job:
     state: JobState
     forward_model: str
     method: str
-    stop_reasons: list[str] = told("every stop criterion that was satisfied at the end")
-    objective: Number = told("lowest objective f so far; null before the first success")
-    parameters: dict[str, float] | None = told("all parameters (free, fixed, linked) at that objective")
-    at_bounds: dict[str, str] | None = told(
+    stop_reasons: list[str] = described("every stop criterion that was satisfied at the end")
+    objective: Number = described("lowest objective f so far; null before the first success")
+    parameters: dict[str, float] | None = described("all parameters (free, fixed, linked) at that objective")
+    at_bounds: dict[str, str] | None = described(
         "free parameters that lie at a bound of their range: 'lower' or 'upper'", default=None
     )
-    intervals: dict[str, tuple[float, float] | None] | None = told(
+    intervals: dict[str, tuple[float, float] | None] | None = described(
         "95 % intervals of the free parameters, where a search ended with them; null for one without an interval",
         default=None,
     )
-    verdicts: dict[str, str] | None = told(
+    verdicts: dict[str, str] | None = described(
         "kinds of the verdicts on the free parameters then; statistics have the sentences, and what follow-ups add",
         default=None,
     )
-    fit: FitKind | None = told("kind of the verdict on the fit then", default=None)
-    shares: list[SeriesShare] | None = told(
+    fit: FitKind | None = described("kind of the verdict on the fit then", default=None)
+    shares: list[SeriesShare] | None = described(
         "root mean square of each series then, and its share in the objective",
         default=None,
     )
-    search_best: SearchBest | None = told("best of the search alone, where further runs followed it", default=None)
-    evaluations: int = told("counted in finished generations")
-    search_evaluations: int | None = told("of the search, once it has ended and its answer follows", default=None)
-    answer_evaluations: int | None = told("at most so many follow the search", default=None)
+    search_best: SearchBest | None = described("best of the search alone, where further runs followed it", default=None)
+    evaluations: int = described("counted in finished generations")
+    search_evaluations: int | None = described("of the search, once it has ended and its answer follows", default=None)
+    answer_evaluations: int | None = described("at most so many follow the search", default=None)
     generations: int
     failed_evaluations: int
     created_at: datetime
     started_at: datetime | None
     finished_at: datetime | None
-    seconds: float | None = told("running time so far")
-    error: str | None = told("why the job failed")
+    seconds: float | None = described("running time so far")
+    error: str | None = described("why the job failed")
     seed: int
     free_parameters: list[str]
-    max_evaluations: int | None = told("planned number of evaluations, when there is one")
+    max_evaluations: int | None = described("planned number of evaluations, when there is one")
     priority: int
-    retrying: bool = told("its failed evaluations are being rerun; then it returns to its previous state")
-    owner: str | None = told("owner of the key that submitted it; null: no key, or that of the environment")
-    last_event: int = told("id of its newest event: follow the events after it")
-    trend: list[Number] | None = told(
+    retrying: bool = described("its failed evaluations are being rerun; then it returns to its previous state")
+    owner: str | None = described("owner of the key that submitted it; null: no key, or that of the environment")
+    last_event: int = described("id of its newest event: follow the events after it")
+    trend: list[Number] | None = described(
         "lowest objective so far at evenly spaced generations; only in lists, on request", default=None
     )
-    versions: dict[str, str] | None = told(
+    versions: dict[str, str] | None = described(
         "versions of geoswarm, python and the packages that calculate, at its start; null: not started, or not recorded"
     )
-    warnings: list[str] = told(
+    warnings: list[str] = described(
         "one objective in all runs; other versions that were used; what it waits for, if there is no room"
     )
 
@@ -101,5 +101,5 @@ class Job:
 class Retry:
     """Failed evaluations that are rerun."""
 
-    evaluations: int = told("their number")
+    evaluations: int = described("their number")
     job: Job

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Literal, TypeAlias, get_args
 
-from geoswarm.records.record import record, told
+from geoswarm.records.record import described, record
 from geoswarm.records.states import KeyState
 
 __all__ = ["ROLES", "Key", "NewKey", "Role"]
@@ -29,12 +29,12 @@ class Key:
     created_at: datetime
     expires_at: datetime | None
     revoked_at: datetime | None
-    used_at: datetime | None = told("to a minute")
+    used_at: datetime | None = described("to a minute")
 
 
 @record
 class NewKey:
     """A new key."""
 
-    key: str = told("the key itself, shown only now", repr=False)
+    key: str = described("the key itself, shown only now", repr=False)
     view: Key

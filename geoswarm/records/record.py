@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias, TypeVar, dataclass_transform, overload
 
-__all__ = ["Number", "record", "told"]
+__all__ = ["Number", "record", "described"]
 
 Made = TypeVar("Made")
 
@@ -14,7 +14,7 @@ Number: TypeAlias = float | None
 """A number; None where it is not known or not finite, as JSON knows no NaN."""
 
 
-def told(description: str, **options: Any) -> Any:
+def described(description: str, **options: Any) -> Any:
     """Return a field with its description; ``options`` as for :func:`dataclasses.field`."""
     return field(metadata={"description": description}, **options)
 
@@ -27,7 +27,7 @@ def record(made: type[Made]) -> type[Made]: ...
 def record(*, eq: bool = True, closed: bool = False) -> Callable[[type[Made]], type[Made]]: ...
 
 
-@dataclass_transform(eq_default=True, kw_only_default=True, frozen_default=True, field_specifiers=(field, told))
+@dataclass_transform(eq_default=True, kw_only_default=True, frozen_default=True, field_specifiers=(field, described))
 def record(made: type[Made] | None = None, *, eq: bool = True, closed: bool = False) -> Any:
     """Make a class a record: frozen, with slots, made by names only, so that fields stand in the order of the JSON.
 

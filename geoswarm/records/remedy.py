@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from geoswarm.records.record import Number, record, told
+from geoswarm.records.record import Number, described, record
 
 __all__ = ["FittedLine", "Proposal", "Remedy"]
 
@@ -24,11 +24,11 @@ class Remedy:
         "sensitivity",
         "profile",
         "explore",
-    ] = told("what; the last three are follow-ups")
-    series: str | None = told("the series that it is about")
-    values: dict[str, Any] = told("numbers and names that belong to it")
-    changes: list[str] = told("keys of the observation, in the problem file, that it changes")
-    text: str = told("the remedy in the words of problem file and command line")
+    ] = described("what; the last three are follow-ups")
+    series: str | None = described("the series that it is about")
+    values: dict[str, Any] = described("numbers and names that belong to it")
+    changes: list[str] = described("keys of the observation, in the problem file, that it changes")
+    text: str = described("the remedy in the words of problem file and command line")
 
 
 @record(closed=True)
@@ -55,5 +55,5 @@ class Proposal:
     kind: Literal["fix", "link", "widen", "add_test"]
     parameter: str
     sentence: str
-    changes: dict[str, Any] = told("parts of the problem to replace")
+    changes: dict[str, Any] = described("parts of the problem to replace")
     line: FittedLine | None

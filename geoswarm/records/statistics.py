@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal, TypeAlias
 
-from geoswarm.records.record import Number, record, told
+from geoswarm.records.record import Number, described, record
 from geoswarm.records.remedy import Proposal, Remedy
 
 __all__ = [
@@ -46,10 +46,10 @@ class SampleCounts:
 
     total: int
     failed: int
-    left_out: int = told("successful evaluations of a long history that were not read")
-    source: str = told("kind of the method they come from; follow_up: of any; mixed: of several")
-    kept: int = told("good fits: at or below the threshold")
-    kept_unbiased: int = told("those of a Monte Carlo sampling")
+    left_out: int = described("successful evaluations of a long history that were not read")
+    source: str = described("kind of the method they come from; follow_up: of any; mixed: of several")
+    kept: int = described("good fits: at or below the threshold")
+    kept_unbiased: int = described("those of a Monte Carlo sampling")
 
 
 @record(closed=True)
@@ -59,7 +59,7 @@ class Threshold:
     value: float
     origin: Literal["given", "statistics", "samples"]
     explanation: str
-    wanted: Number = told("if it was raised to keep enough samples: its statistical value")
+    wanted: Number = described("if it was raised to keep enough samples: its statistical value")
 
 
 @record(closed=True)
@@ -73,7 +73,7 @@ class CorrelationPair:
     upper: Number
     count: int
     interval: Literal["fisher", "bootstrap", "none"]
-    correlated: bool = told("|r| at or above 0.5, and the interval excludes 0")
+    correlated: bool = described("|r| at or above 0.5, and the interval excludes 0")
 
 
 @record(closed=True)
@@ -83,7 +83,7 @@ class CorrelationTable:
     method: Literal["pearson", "spearman"]
     coordinates: Literal["linear", "search"]
     level: float
-    biased: bool = told("over particles of a swarm")
+    biased: bool = described("over particles of a swarm")
     pairs: list[CorrelationPair]
 
 
@@ -94,14 +94,14 @@ class Projection:
     parameter: str
     scale: Literal["linear", "log"]
     edges: list[float]
-    envelope: list[Number] = told("lowest objective in each bin; null where it is empty")
+    envelope: list[Number] = described("lowest objective in each bin; null where it is empty")
     counts: list[int]
-    best: float = told("value at the minimum where it is known, of the best evaluation otherwise")
+    best: float = described("value at the minimum where it is known, of the best evaluation otherwise")
     lowest: Number
     highest: Number
-    lower: Number = told("5 % quantile of the good fits")
-    upper: Number = told("95 % quantile of the good fits")
-    width_ratio: Number = told("width of the good fits over that of all samples")
+    lower: Number = described("5 % quantile of the good fits")
+    upper: Number = described("95 % quantile of the good fits")
+    width_ratio: Number = described("width of the good fits over that of all samples")
     unimodal: bool | None
     open_below: bool | None
     open_above: bool | None
@@ -125,12 +125,12 @@ class Evidence:
     partners: list[tuple[str, Number]]
     influence: Number
     sampling_bias: bool
-    hidden: Number = told("share of the searched space in which a basin like this one could still hide, 0 to 1")
-    partner_intervals: list[tuple[float, float]] = told("95 % intervals of the correlations with partners")
-    elsewhere: list[float] = told("values in other basins: those that the data allow too, or that runs point to")
-    exchangeable: list[str] = told("parameters with which it may be exchanged for all that is known")
-    exact: bool = told("all readings are met to rounding, and no error is stated")
-    spare: int | None = told("readings beyond the parameters, from which the error was estimated")
+    hidden: Number = described("share of the searched space in which a basin like this one could still hide, 0 to 1")
+    partner_intervals: list[tuple[float, float]] = described("95 % intervals of the correlations with partners")
+    elsewhere: list[float] = described("values in other basins: those that the data allow too, or that runs point to")
+    exchangeable: list[str] = described("parameters with which it may be exchanged for all that is known")
+    exact: bool = described("all readings are met to rounding, and no error is stated")
+    spare: int | None = described("readings beyond the parameters, from which the error was estimated")
 
 
 @record(closed=True)
@@ -147,7 +147,7 @@ class Verdict:
         "lack_of_fit",
         "error_not_met",
     ]
-    words: str = told('the kind in words, as tables show it; with "within one basin" where the runs are sparse')
+    words: str = described('the kind in words, as tables show it; with "within one basin" where the runs are sparse')
     code: Literal[
         "width",
         "several",
@@ -164,9 +164,9 @@ class Verdict:
         "swarm",
         "thin",
         "few_good_fits",
-    ] = told("why; width: of the good fits or the interval, with the bounds that it reaches")
-    reason: str = told("why, in one clause; with words, the verdict in one line")
-    sentence: str = told("all of it")
+    ] = described("why; width: of the good fits or the interval, with the bounds that it reaches")
+    reason: str = described("why, in one clause; with words, the verdict in one line")
+    sentence: str = described("all of it")
     evidence: Evidence
     proposals: list[Proposal]
     what_to_do: list[Remedy]
@@ -179,15 +179,17 @@ class Misfit:
     series: str
     stage: int | None
     reason: Literal["pattern", "repeats", "stated_error", "missed", "gross_error"]
-    probability: Number = told("probability of such a deviation by chance if the model is right")
-    deviation: Number = told("root mean square of the residuals; of one reading, its distance from what the others say")
-    largest: Number = told("largest residual, calculated - measured")
-    x: Number = told("where it is")
-    ratio: Number = told("residuals over the stated error; of one reading, its distance in standard deviations")
+    probability: Number = described("probability of such a deviation by chance if the model is right")
+    deviation: Number = described(
+        "root mean square of the residuals; of one reading, its distance from what the others say"
+    )
+    largest: Number = described("largest residual, calculated - measured")
+    x: Number = described("where it is")
+    ratio: Number = described("residuals over the stated error; of one reading, its distance in standard deviations")
     unit: str
     x_unit: str
-    reading: int | None = told("number of the one reading, from 1; null for a series")
-    slip: Number = told("power of ten, or -1, by which the reading would fit; null where nothing of the kind does")
+    reading: int | None = described("number of the one reading, from 1; null for a series")
+    slip: Number = described("power of ten, or -1, by which the reading would fit; null where nothing of the kind does")
 
 
 @record(closed=True)
@@ -195,13 +197,13 @@ class FitVerdict:
     """Whether the model describes the data; it comes before all other verdicts."""
 
     kind: FitKind
-    words: str = told("the kind in a clause")
-    headline: str = told("what stands above all results; empty where nothing has to")
+    words: str = described("the kind in a clause")
+    headline: str = described("what stands above all results; empty where nothing has to")
     sentence: str
     misfits: list[Misfit]
-    remedies: list[str] = told("the texts of what_to_do")
+    remedies: list[str] = described("the texts of what_to_do")
     what_to_do: list[Remedy]
-    level: float = told("probability of doubting a right model")
+    level: float = described("probability of doubting a right model")
 
 
 @record(closed=True)
@@ -213,14 +215,16 @@ class OptimumParameter:
     interval: tuple[float, float] | None
     interval_basis: (
         Literal["linearised", "correlated", "uneven", "possible", "stated", "tests", "moved", "profile"] | None
-    ) = told(
+    ) = described(
         "basis of the interval; correlated, uneven: wider for such residuals; possible: for a correlation that so "
         "few readings cannot exclude; stated: for the problem's noise; tests: for tests that differ; moved: by one "
         "run at each end"
     )
-    widening: Number = told("how many times wider correlated or uneven noise makes the interval by linearisation")
-    bending: Number = told("relative distance of an end by likelihood from the linearised one; null if not checked")
-    bent: bool = told("the model is so nonlinear within the interval that a profile must give it, and none has")
+    widening: Number = described("how many times wider correlated or uneven noise makes the interval by linearisation")
+    bending: Number = described(
+        "relative distance of an end by likelihood from the linearised one; null if not checked"
+    )
+    bent: bool = described("the model is so nonlinear within the interval that a profile must give it, and none has")
     influence: float
     why_no_interval: str | None
 
@@ -239,7 +243,7 @@ class Combination:
 
     singular_value: float
     components: dict[str, float]
-    open: bool = told("the data leave it open")
+    open: bool = described("the data leave it open")
 
 
 @record(closed=True)
@@ -248,10 +252,10 @@ class Dependence:
 
     series: str
     kind: Literal["correlated", "uneven", "possible", "stated"]
-    rho: float = told("correlation of neighbouring readings")
+    rho: float = described("correlation of neighbouring readings")
     readings: int
-    effective: float = told("number of independent readings with the same information")
-    by_x: bool = told("the correlation falls with the distance in x, and not with the readings between")
+    effective: float = described("number of independent readings with the same information")
+    by_x: bool = described("the correlation falls with the distance in x, and not with the readings between")
     sentence: str
 
 
@@ -259,9 +263,9 @@ class Dependence:
 class ParameterWithoutTests:
     """One parameter without each of the tests, by linearisation."""
 
-    values: dict[str, float | None] = told("by the test left out; null where the others do not determine it")
-    interval: tuple[float, float] | None = told("95 %, each test as one piece of information (jackknife)")
-    pulls: str | None = told("the test without which it moves farthest")
+    values: dict[str, float | None] = described("by the test left out; null where the others do not determine it")
+    interval: tuple[float, float] | None = described("95 %, each test as one piece of information (jackknife)")
+    pulls: str | None = described("the test without which it moves farthest")
 
 
 @record(closed=True)
@@ -282,15 +286,15 @@ class Linearisation:
     noise: KnownOrEstimated | None
     combinations: list[Combination]
     correlation: list[list[Number]]
-    unclear: list[str] = told("parameters whose sensitivities are too uncertain for a statement")
+    unclear: list[str] = described("parameters whose sensitivities are too uncertain for a statement")
     derivative_error: Number
-    distance: list[Number] = told("to the nearest minimum inside the bounds, in standard errors")
-    at_optimum: bool = told("false also where no distance is known")
-    held: dict[str, Literal["lower", "upper"]] = told(
+    distance: list[Number] = described("to the nearest minimum inside the bounds, in standard errors")
+    at_optimum: bool = described("false also where no distance is known")
+    held: dict[str, Literal["lower", "upper"]] = described(
         "parameters at a bound beyond which the data pull: the minimum lies on it"
     )
-    fit: FitVerdict = told("intervals hold only where the model describes the data")
-    without_tests: WithoutTests | None = told("the values without each test; null with fewer than three")
+    fit: FitVerdict = described("intervals hold only where the model describes the data")
+    without_tests: WithoutTests | None = described("the values without each test; null with fewer than three")
     dependence: list[Dependence]
 
 
@@ -319,10 +323,10 @@ class Residuals:
     durbin_watson: Number
     durbin_watson_probability: Number
     lack_of_fit: LackOfFit | None
-    loss_weights: list[float] | None = told(
+    loss_weights: list[float] | None = described(
         "weights that a robust loss gives the readings, 0 to 1; null without a loss"
     )
-    outliers: int | None = told("number of readings with such a weight below a third")
+    outliers: int | None = described("number of readings with such a weight below a third")
     warnings: list[str]
 
 
@@ -331,12 +335,12 @@ class SeriesShare:
     """Weight of a series and its share in the objective."""
 
     series: str
-    test: str = told("the part of a combined problem; empty where there is only one test")
+    test: str = described("the part of a combined problem; empty where there is only one test")
     weight: float
     misfit: Number
     share: Number
-    root_mean_square: Number = told("of the residuals, weighted as the points are, in unit")
-    unit: str = told("of the measured values")
+    root_mean_square: Number = described("of the residuals, weighted as the points are, in unit")
+    unit: str = described("of the measured values")
 
 
 @record(closed=True)
@@ -344,10 +348,12 @@ class WeightShare:
     """What the weight of a series makes of it, before the search."""
 
     series: str
-    test: str = told("the part of a combined problem; empty where there is only one test")
+    test: str = described("the part of a combined problem; empty where there is only one test")
     weight: float
-    share: float = told("of the objective, if every series is missed by the same part of its range")
-    readings: float | None = told("that the scheme counts, of by_error independent ones; null where it counts none")
+    share: float = described("of the objective, if every series is missed by the same part of its range")
+    readings: float | None = described(
+        "that the scheme counts, of by_error independent ones; null where it counts none"
+    )
 
 
 @record(closed=True)
@@ -356,7 +362,7 @@ class OtherFit:
 
     parameters: dict[str, float]
     objective: float
-    differs: list[str] = told("parameters that lie outside that region")
+    differs: list[str] = described("parameters that lie outside that region")
 
 
 @record(closed=True)
@@ -364,12 +370,16 @@ class Basins:
     """What is known of the space beyond the basin of the optimum."""
 
     others: list[OtherFit]
-    exchanges: list[tuple[str, str]] = told("pairs of parameters that can be exchanged")
-    hidden: Number = told("share of the searched space in which a basin like that of the optimum could hide, 0 to 1")
-    unfinished: list[OtherFit] = told("runs that point to another basin that was not explored")
-    untried: list[tuple[str, str]] = told("pairs of parameters that may be exchangeable: swapped values were not run")
-    sentence: str = told("restriction of every interval at the optimum, with that share")
-    what_to_do: list[Remedy] = told("explore, where another basin is likely or could hide")
+    exchanges: list[tuple[str, str]] = described("pairs of parameters that can be exchanged")
+    hidden: Number = described(
+        "share of the searched space in which a basin like that of the optimum could hide, 0 to 1"
+    )
+    unfinished: list[OtherFit] = described("runs that point to another basin that was not explored")
+    untried: list[tuple[str, str]] = described(
+        "pairs of parameters that may be exchangeable: swapped values were not run"
+    )
+    sentence: str = described("restriction of every interval at the optimum, with that share")
+    what_to_do: list[Remedy] = described("explore, where another basin is likely or could hide")
 
 
 @record(closed=True)
@@ -384,10 +394,10 @@ class StatisticsAnswer:
     verdicts: list[Verdict]
     linearisation: Linearisation | None
     basins: Basins
-    residuals_at_optimum: bool = told("of a polished optimum, not of the best evaluation")
+    residuals_at_optimum: bool = described("of a polished optimum, not of the best evaluation")
     residuals: list[Residuals]
     weights: list[SeriesShare]
-    warnings: list[str] = told("what to be careful about, beyond what fit says")
+    warnings: list[str] = described("what to be careful about, beyond what fit says")
 
 
 @record(closed=True)
@@ -407,6 +417,6 @@ class ReweightAnswer:
     weights: list[SeriesShare]
     best: Place
     best_before: Place
-    moved: bool = told("another evaluation is the best now")
+    moved: bool = described("another evaluation is the best now")
     warnings: list[str]
-    problem: dict[str, Any] = told("the problem with the new weights, ready to be submitted")
+    problem: dict[str, Any] = described("the problem with the new weights, ready to be submitted")

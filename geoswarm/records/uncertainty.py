@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from geoswarm.records.record import Number, record, told
+from geoswarm.records.record import Number, described, record
 from geoswarm.records.states import JobState
 from geoswarm.records.statistics import FitVerdict, Linearisation
 
@@ -31,11 +31,11 @@ class Profile:
     parameter: str
     values: list[float]
     objectives: list[float]
-    others: list[list[float]] = told("all free parameters at each value")
-    limit: float = told("objective at the ends of the interval")
+    others: list[list[float]] = described("all free parameters at each value")
+    limit: float = described("objective at the ends of the interval")
     lower: Number
     upper: Number
-    better: Number = told("lowest objective found, when the search had not found the best fit")
+    better: Number = described("lowest objective found, when the search had not found the best fit")
     complete: bool
 
 
@@ -58,14 +58,14 @@ class GlobalSensitivity:
     output: str
     indices: list[GlobalIndex]
     blocks: int
-    dropped: int = told("blocks with failed evaluations")
+    dropped: int = described("blocks with failed evaluations")
 
 
 @record(closed=True)
 class PredictedBasin:
     """One basin in one series; null where its run failed, or it has too few."""
 
-    optimum: list[float] | None = told("curve at its optimum")
+    optimum: list[float] | None = described("curve at its optimum")
     lower: list[float] | None
     upper: list[float] | None
 
@@ -81,15 +81,15 @@ class PredictedSeries:
     y_unit: str
     x: list[float]
     median: list[float]
-    lower: list[float] = told("ends of the band, at each x")
+    lower: list[float] = described("ends of the band, at each x")
     upper: list[float]
-    reading_lower: list[float] | None = told("ends for a future reading; null where its error is not known")
+    reading_lower: list[float] | None = described("ends for a future reading; null where its error is not known")
     reading_upper: list[float] | None
     measured: list[float] | None
     basins: list[PredictedBasin]
-    inside: int | None = told("measured points in the band, that of readings where it is known")
-    straight: Number = told("share of the variation that a plane over the parameters explains, the least over x")
-    end_error: Number = told("how far the ends differ between two halves of the draws, parts of the band's width")
+    inside: int | None = described("measured points in the band, that of readings where it is known")
+    straight: Number = described("share of the variation that a plane over the parameters explains, the least over x")
+    end_error: Number = described("how far the ends differ between two halves of the draws, parts of the band's width")
 
 
 @record(closed=True)
@@ -107,14 +107,14 @@ class Prediction:
 
     name: str
     level: float
-    basis: Literal["covariance", "posterior"] = told("where the draws come from")
+    basis: Literal["covariance", "posterior"] = described("where the draws come from")
     runs: int
     failed: int
     basins: list[PredictionBasin]
-    undecided: list[str] = told("parameters that the data do not limit: drawn over their searched range")
+    undecided: list[str] = described("parameters that the data do not limit: drawn over their searched range")
     series: list[PredictedSeries]
-    alarm: str | None = told("why the band is unreliable")
-    remarks: list[str] = told("what the band contains, and its caveats")
+    alarm: str | None = described("why the band is unreliable")
+    remarks: list[str] = described("what the band contains, and its caveats")
 
 
 @record(closed=True)
@@ -124,13 +124,13 @@ class CandidateWorth:
     name: str
     cost: Number
     readings: int
-    parameters: dict[str, float] = told("of the interval of each parameter")
-    intervals: dict[str, tuple[float, float] | None] = told("expected 95 % intervals; null beyond the bounds")
-    widths: float = told("of all intervals, the geometric mean")
-    volume: float = told("of the common region, its d-th root")
-    prediction: Number = told("of the predicted band")
-    distinguishes: Number = told("probability that it tells the nearest two basins apart; null with one")
-    per_cost: Number = told("decrease of log width by the criterion for each unit of cost")
+    parameters: dict[str, float] = described("of the interval of each parameter")
+    intervals: dict[str, tuple[float, float] | None] = described("expected 95 % intervals; null beyond the bounds")
+    widths: float = described("of all intervals, the geometric mean")
+    volume: float = described("of the common region, its d-th root")
+    prediction: Number = described("of the predicted band")
+    distinguishes: Number = described("probability that it tells the nearest two basins apart; null with one")
+    per_cost: Number = described("decrease of log width by the criterion for each unit of cost")
 
 
 @record(closed=True)
@@ -142,7 +142,7 @@ class Design:
     predicted: str | None
     candidates: list[CandidateWorth]
     basins: int
-    centres: int = told("sets of parameters over which the worth is averaged")
+    centres: int = described("sets of parameters over which the worth is averaged")
     failed: int
     alarm: str | None
     remarks: list[str]
@@ -162,13 +162,13 @@ class FollowUp:
 class UncertaintyAnswer:
     """What the follow-ups of a job have found, or a follow-up itself."""
 
-    fit: FitVerdict | None = told("null where nothing was evaluated at an optimum")
+    fit: FitVerdict | None = described("null where nothing was evaluated at an optimum")
     linearisation: Linearisation | None
-    objective: Number = told("objective at the optimum of the linearisation")
-    start_objective: Number = told("objective where the descent to it started")
+    objective: Number = described("objective at the optimum of the linearisation")
+    start_objective: Number = described("objective where the descent to it started")
     profiles: list[Profile]
     global_sensitivities: list[GlobalSensitivity]
-    explored: int = told("successful runs that looked for further basins; /statistics says what they found")
+    explored: int = described("successful runs that looked for further basins; /statistics says what they found")
     predictions: list[Prediction]
     designs: list[Design]
     notes: list[str]
@@ -187,6 +187,6 @@ class PosteriorAnswer:
     effective: int
     acceptance: float
     autocorrelation: Number
-    surface_error: float = told("error of the log-likelihood by the hold-out check")
+    surface_error: float = described("error of the log-likelihood by the hold-out check")
     trusted: bool
     warnings: list[str]

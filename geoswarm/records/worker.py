@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from geoswarm.records.record import record, told
+from geoswarm.records.record import described, record
 
 __all__ = ["AgentSlot", "Worker"]
 
@@ -14,10 +14,10 @@ class AgentSlot:
     """An agent: a worker without the database. Each of its slots is a worker."""
 
     id: str
-    slots: int = told("number of runs that it makes at once")
-    system: str = told("its operating system and processor")
-    version: str = told("version of geoswarm there")
-    models: dict[str, str] = told("registered models that it has: SHA-256 of the files of each")
+    slots: int = described("number of runs that it makes at once")
+    system: str = described("its operating system and processor")
+    version: str = described("version of geoswarm there")
+    models: dict[str, str] = described("registered models that it has: SHA-256 of the files of each")
 
 
 @record
@@ -29,10 +29,10 @@ class Worker:
     pid: int
     engine: str
     state: str
-    job: str | None = told("its job; null: none, or a job of another owner")
+    job: str | None = described("its job; null: none, or a job of another owner")
     generation: int | None
-    evaluations: int | None = told("number of evaluations that it has claimed")
+    evaluations: int | None = described("number of evaluations that it has claimed")
     busy_since: datetime | None
     started_at: datetime
     seen_at: datetime
-    agent: AgentSlot | None = told("the agent whose slot it is; null: a process of the installation", default=None)
+    agent: AgentSlot | None = described("the agent whose slot it is; null: a process of the installation", default=None)

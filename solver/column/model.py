@@ -15,11 +15,11 @@ from geoswarm.solver.column.readings import Readings
 from geoswarm.solver.column.rest import GroundAtRest
 from geoswarm.solver.element_test.cells import Cells, graded
 from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Watched, follow_loads
-from geoswarm.solver.element_test.legs import PointState, point_under
+from geoswarm.solver.element_test.load_paths import PointState, point_under
 from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.errors import InfeasibleError, unknown_series
-from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
+from geoswarm.solver.forward.isolation import run_isolated
 from geoswarm.solver.laboratory.flow.load_stages import LATE, LoadStages
 from geoswarm.solver.laboratory.record import no_voids
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault, permeability_of
@@ -353,4 +353,4 @@ class ColumnModel:
             }
 
         laws = [soil.law for soil in self.spec.soils.values()]
-        return guarded(run, [law for law in laws if isinstance(law, UserLaw)])
+        return run_isolated(run, [law for law in laws if isinstance(law, UserLaw)])

@@ -2,12 +2,12 @@
 
 ==================  ==========================================================================
 ``setups``          laboratory tests as stages of a material point
-``specimen``        loads on a specimen as legs, and strains of laboratories
+``specimen``        loads on a specimen as load paths, and strains of laboratories
 ``controls``        what is prescribed during a stage
 ``material_point``  a material point led through stages
-``trace``           the way along several legs: states at times, and where something is first reached
-``legs``            the path of a material point along one movement of its controls, or one hold
-``advance``         error-controlled steps along a leg
+``trace``           the way along several load paths: states at times, and where something is first reached
+``load_paths``            the path of a material point along one movement of its controls, or one hold
+``advance``         error-controlled steps along a load path
 ``step_control``    constants of such steps
 ``column``          coupled consolidation of a column of points
 ``column_steps``    error-controlled steps of such a column

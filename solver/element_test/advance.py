@@ -1,4 +1,4 @@
-"""Error-controlled steps of a material point of any law along a leg: a movement of its controls, or a hold.
+"""Error-controlled steps of a material point of any law along a load path: a movement of its controls, or a hold.
 
 A step is taken as one, two and four implicit substeps. Where the law does not change its limit in it, the ends are
 extrapolated to third order and the middles of the last two to second order; the difference between the second and
@@ -50,20 +50,20 @@ def _way(
     piece: FloatArray,
     room: Room,
 ) -> bool:
-    """Go from one place of a leg to another in ``count`` implicit substeps.
+    """Go from one place of a load path to another in ``count`` implicit substeps.
 
     Parameters
     ----------
     controls
-        Combinations of stress and of strain (n, n), whether they are of stress (n,), values at the beginning of the leg
-        and at its end (n,).
+        Combinations of stress and of strain (n, n), whether they are of stress (n,), values at the beginning of the
+        load path and at its end (n,).
     begin, end
-        Places as fractions of the leg.
+        Places as fractions of the load path.
     log_time, log_length
         Substeps are equal in time, ``log_time`` being ln(time/day) of all; or, for ``log_length`` above 0, equal in
         logarithmic time s = 0 .. ``log_length``, ``log_time`` then being ln(theta/day).
     stress, strain, state
-        At ``begin``; strain since the beginning of the leg.
+        At ``begin``; strain since the beginning of the load path.
     guess
         (n,): expected strain increment; of the first way only.
     points
@@ -180,21 +180,21 @@ def advance(
     middles: FloatArray,
     ends: FloatArray,
 ) -> tuple[int, int, float]:
-    """Step along a leg until its end, until there is no room for more steps, or until the mean stress leaves a range.
+    """Step along a load path until its end, until there is no room for more steps, or until p leaves a range.
 
     Parameters
     ----------
     controls
         As for one way.
     log_duration
-        ln(duration/day) of the leg; -inf: it is instantaneous.
+        ln(duration/day) of the load path; -inf: it is instantaneous.
     log_theta
         ln(theta/day) of a hold, which is stepped in s = ln(1 + t/theta), t being the time since ``place``; nan for a
         movement of the controls.
     place, length
-        Where the point is, as a fraction of the leg, and a length to try, in fractions or in s.
+        Where the point is, as a fraction of the load path, and a length to try, in fractions or in s.
     stress, strain, state
-        There, (n,), (n,) since the beginning of the leg, and (s,); become those of the last step.
+        There, (n,), (n,) since the beginning of the load path, and (s,); become those of the last step.
     guess
         (n,): expected strain for each unit of length; becomes that of the last step.
     weights
@@ -291,7 +291,7 @@ def advance(
             # What the creep of this step has done to its pace: as if its stress had been there from the beginning.
             log_theta += size
         place, limit = end, statuses[6]
-        # A step that was cut short to end with the leg says nothing against the longer one planned.
+        # A step that was cut short to end with the load path says nothing against the longer one planned.
         length = max(size * factor, length) if cut else size * factor
         steps += 1
     return steps, DONE, length

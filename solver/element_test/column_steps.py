@@ -174,8 +174,8 @@ def lead_column(
         (j,): expected strain for each unit of length, and the status of the law in the last step, -1 if there was
         none; become those of the last step.
     places, middles, ends
-        Filled for each step: (k, 4) as in :class:`geoswarm.solver.element_test.legs.Path`, and the profiles in its
-        middle and at its end, (k, PROFILE j).
+        Filled for each step: (k, 4) as in :class:`geoswarm.solver.element_test.load_paths.Path`, and the profiles
+        in its middle and at its end, (k, PROFILE j).
 
     Returns
     -------

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.element_test.controls import Stage
-from geoswarm.solver.element_test.legs import Leg, PointState, follow_leg, point_under
+from geoswarm.solver.element_test.boundary_conditions import Stage
+from geoswarm.solver.element_test.load_paths import LoadPath, PointState, follow_load_path, point_under
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.stress_measures import mean_and_squared_q
 
@@ -82,11 +82,11 @@ def follow(
         coefficients, of_stress, values = stage.arrays()
         stress_rows, strain_rows = (np.where(own[:, np.newaxis], coefficients, 0.0) for own in (of_stress, ~of_stress))
         if stage.instant:
-            load = Leg(stage.name, stress_rows, strain_rows, values, 0.0)
-            state = follow_leg(soil, load, state, tolerance, dense=False).end
+            load = LoadPath(stage.name, stress_rows, strain_rows, values, 0.0)
+            state = follow_load_path(soil, load, state, tolerance, dense=False).end
         if stage.duration > 0.0:
-            leg = Leg(stage.name, stress_rows, strain_rows, values, stage.duration, hold=stage.instant)
-            path = follow_leg(soil, leg, state, tolerance, dense=bool(x.size))
+            load_path = LoadPath(stage.name, stress_rows, strain_rows, values, stage.duration, hold=stage.instant)
+            path = follow_load_path(soil, load_path, state, tolerance, dense=bool(x.size))
             rows.append(path.at(x / stage.duration))
             state = path.end
         elif x.size:

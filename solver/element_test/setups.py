@@ -6,7 +6,7 @@ or small strains: the equations are the same.
 
 from __future__ import annotations
 
-from geoswarm.solver.element_test.controls import Control, Stage, strain_change, stress_value
+from geoswarm.solver.element_test.boundary_conditions import Control, Stage, strain_change, stress_value
 
 __all__ = [
     "confined_load",

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.legs import Leg
+from geoswarm.solver.element_test.load_paths import LoadPath
 
-__all__ = ["combination", "specimen_legs", "engineering_strain", "inner_strain", "same_strain"]
+__all__ = ["combination", "specimen_load_paths", "engineering_strain", "inner_strain", "same_strain"]
 
 _NAMES = ("xx", "yy", "zz", "xy", "yz", "zx")
 
@@ -20,7 +20,7 @@ def combination(components: int, **coefficients: float) -> FloatArray:
     return row
 
 
-def specimen_legs(
+def specimen_load_paths(
     name: str,
     components: int,
     vertical: float,
@@ -28,8 +28,8 @@ def specimen_legs(
     duration: float,
     loading_time: float,
     depends_on_time: bool,
-) -> tuple[Leg, ...]:
-    """The legs of a stage of loading: the load, and the time under it where that matters.
+) -> tuple[LoadPath, ...]:
+    """The load paths of a stage of loading: the load, and the time under it where that matters.
 
     Parameters
     ----------
@@ -47,11 +47,11 @@ def specimen_legs(
     else:
         stress_rows[2], goal[2] = combination(n, xx=0.5, zz=0.5), horizontal
     strain_rows[3:, 3:] = np.eye(n - 3)
-    load = Leg(name, stress_rows, strain_rows, goal, loading_time)
+    load = LoadPath(name, stress_rows, strain_rows, goal, loading_time)
     rest = duration - loading_time
     if not depends_on_time or rest <= 0.0:
         return (load,)
-    return load, Leg(name, stress_rows, strain_rows, goal, rest, hold=True)
+    return load, LoadPath(name, stress_rows, strain_rows, goal, rest, hold=True)
 
 
 def inner_strain(strain: FloatArray) -> FloatArray:

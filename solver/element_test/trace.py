@@ -1,4 +1,4 @@
-"""The way of a material point along several legs: its states at times, and where something is first reached."""
+"""The way of a material point along several load paths: its states at times, and where something is first reached."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from functools import cached_property
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.element_test.legs import Path, between, share_of
+from geoswarm.solver.element_test.load_paths import Path, between, share_of
 
 __all__ = ["Sample", "Trace"]
 
 
 @dataclass(frozen=True)
 class Sample:
-    """States of a material point: ``rows`` (m, w), stress, strain and state variables; ``leg`` (m,), 0-based."""
+    """States of a material point: ``rows`` (m, w), stress, strain and state variables; ``load_path`` (m,), 0-based."""
 
     rows: FloatArray
-    leg: IntArray
+    load_path: IntArray
 
 
 @dataclass(frozen=True)
 class Trace:
-    """Paths of legs that follow one another; time counts from the beginning of the first, day."""
+    """Paths of load paths that follow one another; time counts from the beginning of the first, day."""
 
     paths: Sequence[Path]
 
@@ -33,8 +33,8 @@ class Trace:
         return np.cumsum([0.0, *(path.duration for path in self.paths)])
 
     @cached_property
-    def _step_leg(self) -> IntArray:
-        """Leg of each step, shape (k,)."""
+    def _step_load_path(self) -> IntArray:
+        """Load path of each step, shape (k,)."""
         return np.repeat(np.arange(len(self.paths)), [len(path.places) for path in self.paths])
 
     @cached_property
@@ -49,20 +49,20 @@ class Trace:
 
     @property
     def everywhere(self) -> Sample:
-        """Ends and middles of all steps after the beginning of the first leg, in their order."""
+        """Ends and middles of all steps after the beginning of the first load path, in their order."""
         _, middles, ends = self._steps
         rows = np.stack([middles, ends], axis=1).reshape(-1, ends.shape[1])
-        return Sample(rows, np.repeat(self._step_leg, 2))
+        return Sample(rows, np.repeat(self._step_load_path, 2))
 
-    def ends(self, legs: IntArray) -> Sample:
-        """States at the ends of some legs."""
-        return Sample(np.array([self.paths[leg].ends[-1] for leg in legs.tolist()]), legs)
+    def ends(self, load_paths: IntArray) -> Sample:
+        """States at the ends of some load paths."""
+        return Sample(np.array([self.paths[load_path].ends[-1] for load_path in load_paths.tolist()]), load_paths)
 
     def at_times(self, times: FloatArray) -> Sample:
-        """States at times (m,), day; at a change of legs the end of the earlier one, later than the end its end."""
-        durations = np.array([path.duration for path in self.paths])[self._step_leg]
+        """States at times (m,), day; at a change of load paths the end of the earlier one; after the end, the end."""
+        durations = np.array([path.duration for path in self.paths])[self._step_load_path]
         places = np.concatenate([path.places for path in self.paths])
-        starts = self._starts[self._step_leg]
+        starts = self._starts[self._step_load_path]
         finish = starts + places[:, 1] * durations
         times = np.minimum(times, finish[-1])
         step = np.minimum(np.searchsorted(finish, times, side="left"), finish.size - 1)
@@ -70,13 +70,17 @@ class Trace:
             fraction = np.nan_to_num((times - starts[step]) / durations[step])
         return self._at(step, share_of(places[step], durations[step], fraction))
 
-    def where_first(self, functional: FloatArray, values: FloatArray, legs: range | None = None) -> Sample:
+    def where_first(self, functional: FloatArray, values: FloatArray, load_paths: range | None = None) -> Sample:
         """States where a linear ``functional`` (w,) of the state first has given values (m,).
 
-        From the beginning of the first of ``legs`` (consecutive; all unless given) it rises to values above the one
-        there, and falls to those below. Where a value is never reached, the state that first comes closest to it.
+        From the beginning of the first of ``load_paths`` (consecutive; all unless given) it rises to values above the
+        one there, and falls to those below. Where a value is never reached, the state that first comes closest to it.
         """
-        chosen = slice(None) if legs is None else slice(*np.searchsorted(self._step_leg, [legs.start, legs.stop]))
+        chosen = (
+            slice(None)
+            if load_paths is None
+            else slice(*np.searchsorted(self._step_load_path, [load_paths.start, load_paths.stop]))
+        )
         first, middle, last = (one[chosen] @ functional for one in self._steps)
         nodes = np.append(first[:1], np.stack([middle, last], axis=1).ravel())
         step, share = np.zeros(values.size, dtype=np.int64), np.zeros(values.size)
@@ -99,4 +103,4 @@ class Trace:
 
     def _at(self, step: IntArray, share: FloatArray) -> Sample:
         first, middle, last = self._steps
-        return Sample(between(first[step], middle[step], last[step], share), self._step_leg[step])
+        return Sample(between(first[step], middle[step], last[step], share), self._step_load_path[step])

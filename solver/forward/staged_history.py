@@ -12,8 +12,8 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.element_test.axial import equivalent_axial_pressure
 from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
-from geoswarm.solver.element_test.legs import follow_leg, point_under
-from geoswarm.solver.element_test.specimen import specimen_legs
+from geoswarm.solver.element_test.load_paths import follow_load_path, point_under
+from geoswarm.solver.element_test.specimen import specimen_load_paths
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.initial_voids import voids_column
@@ -63,11 +63,11 @@ def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray, states
     """Any law at a material point, in as few components as it takes; yy is the axis."""
     spec, law = model.spec, model.law
     n = 4 if 4 in law.components else 6
-    legs = []
+    load_paths = []
     for number, stage in enumerate(spec.stages, start=1):
         lateral = None if model.confined else model.lateral_ratio * stage.stress
         name = f"{number} ({stage.stress:g} kPa)"
-        legs.append(specimen_legs(name, n, stage.stress, lateral, stage.duration, 0.0, law.depends_on_time))
+        load_paths.append(specimen_load_paths(name, n, stage.stress, lateral, stage.duration, 0.0, law.depends_on_time))
     wanted = [
         times[first:last] / stage.duration for (first, last), stage in zip(_parts(firsts), spec.stages, strict=True)
     ]
@@ -79,10 +79,10 @@ def _general(model: StagedLoadModel, times: FloatArray, firsts: IntArray, states
         state = point_under([lateral, spec.initial_stress, lateral, *[0.0] * (n - 3)], soil)
         start = np.concatenate([state.stress, state.strain, state.internal])
         rows, ends = [np.empty((0, start.size))], []
-        for (load, *hold), fractions in zip(legs, wanted, strict=True):
-            path = follow_leg(soil, load, state, spec.tolerance, dense=False)
-            for leg in hold:
-                path = follow_leg(soil, leg, path.end, spec.tolerance, dense=bool(fractions.size))
+        for (load, *hold), fractions in zip(load_paths, wanted, strict=True):
+            path = follow_load_path(soil, load, state, spec.tolerance, dense=False)
+            for load_path in hold:
+                path = follow_load_path(soil, load_path, path.end, spec.tolerance, dense=bool(fractions.size))
                 rows.append(path.at(fractions))
             if not hold:  # nothing happens after the load
                 rows.append(np.repeat(path.ends[-1:], fractions.size, axis=0))

@@ -21,8 +21,8 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
 from geoswarm.solver.errors import InfeasibleError, Issue, ProblemError, unknown_series
-from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
+from geoswarm.solver.forward.isolation import run_isolated
 from geoswarm.solver.forward.staged_history import history_of, voids
 from geoswarm.solver.forward.staged_section import SpecimenMesh, StagedLoadSpec
 from geoswarm.solver.laws.base import Law, Soil
@@ -252,7 +252,7 @@ class StagedLoadModel(ABC):
                     found[name] = history[rows, column]
             return found
 
-        return guarded(run, [self.law] if isinstance(self.law, UserLaw) else [])
+        return run_isolated(run, [self.law] if isinstance(self.law, UserLaw) else [])
 
     @cached_property
     def specimen(self) -> Specimen:

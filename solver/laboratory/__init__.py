@@ -7,7 +7,7 @@
 ``pace``          parts of sections: stages of shearing, how fast they go
 ``model``         what the forward models of all tests share, of tests with flow, and of shear tests
 ``record``        a calculated test: consolidation, shearing, pore water
-``shear_stages``  stages of shearing as legs of a material point
+``shear_stages``  stages of shearing as load paths of a material point
 ``shear_axes``    what series run over
 ``shear_sketch``  what sketches of tests share
 ``series``        how values of a series are picked from a calculated test

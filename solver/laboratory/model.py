@@ -10,12 +10,12 @@ from functools import cached_property
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.element_test.legs import Leg, Path, PointState, point_under
-from geoswarm.solver.element_test.specimen import specimen_legs
+from geoswarm.solver.element_test.load_paths import LoadPath, Path, PointState, point_under
+from geoswarm.solver.element_test.specimen import specimen_load_paths
 from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.errors import InfeasibleError, unknown_series
-from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
+from geoswarm.solver.forward.isolation import run_isolated
 from geoswarm.solver.laboratory.record import Record, Voids, consolidated, sheared
 from geoswarm.solver.laboratory.section import FlowSpec, LaboratorySpec, Loading
 from geoswarm.solver.laboratory.series import TestSeries
@@ -142,7 +142,7 @@ class LaboratoryModel(ABC):
                 found |= {name: wanted[name].values(test, picked) for name in names}
             return found
 
-        return guarded(run, [self.law] if isinstance(self.law, UserLaw) else [])
+        return run_isolated(run, [self.law] if isinstance(self.law, UserLaw) else [])
 
     @abstractmethod
     def test(self, parameters: Mapping[str, float], *, shearing: bool = True, dense: bool = True) -> Record:
@@ -233,18 +233,18 @@ class ShearModel(LaboratoryModel):
 
     @property
     @abstractmethod
-    def consolidation(self) -> Sequence[Sequence[Leg]]:
-        """The legs of each stage of consolidation."""
+    def consolidation(self) -> Sequence[Sequence[LoadPath]]:
+        """The load paths of each stage of consolidation."""
 
     @property
     @abstractmethod
     def shearing(self) -> Sequence[ShearStage]:
         """The stages of shearing."""
 
-    def legs_of(self, loads: Iterable[tuple[Loading, float, float | None]]) -> Sequence[Sequence[Leg]]:
-        """The legs of stages of consolidation: vertical and horizontal stress, kPa; None: no horizontal strain."""
+    def load_paths_of(self, loads: Iterable[tuple[Loading, float, float | None]]) -> Sequence[Sequence[LoadPath]]:
+        """Load paths of stages of consolidation: vertical and horizontal stress, kPa; None: no horizontal strain."""
         return [
-            specimen_legs(
+            specimen_load_paths(
                 f"consolidation {number}",
                 self.spec.components,
                 vertical,

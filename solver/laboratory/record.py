@@ -1,4 +1,4 @@
-"""What happened in a shear test: the states after consolidation, the trace of shearing, and the water in each leg."""
+"""What happened in a shear test: the states after consolidation, the trace of shearing, the water in each load path."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
-from geoswarm.solver.element_test.legs import Leg, Path, PointState, follow_leg, point_in_words
+from geoswarm.solver.element_test.load_paths import LoadPath, Path, PointState, follow_load_path, point_in_words
 from geoswarm.solver.element_test.trace import Sample, Trace
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laboratory.shear_stages import Axes, Drainage, ShearStage, shear_leg, value_led
@@ -86,10 +86,10 @@ class Record:
     trace
         Of shearing.
     undrained, pore, kept
-        For each leg of it: whether the volume is kept, the pore pressure at its beginning less the back pressure, kPa,
-        and the total stress that stays as it is without drainage, (l,), (l,), (l, n).
+        For each load path of it: whether the volume is kept, the pore pressure at its beginning less the back pressure,
+        kPa, and the total stress that stays as it is without drainage, (l,), (l,), (l, n).
     last_legs, cycles
-        Last leg of each stage, and first and last leg of each cycle, (s,), (z, 2).
+        Last load path of each stage, and first and last load path of each cycle, (s,), (z, 2).
     voids, back_pressure
         Void ratio from the strain since the beginning; kPa.
     """
@@ -119,9 +119,9 @@ class Record:
         """Pore pressure less the back pressure, (m,), kPa: what the total stress that is kept leaves for the water."""
         n = self.components
         first = np.array([path.ends[0, :n] for path in self.trace.paths])
-        held, leg = self.kept[sample.leg], sample.leg
-        fallen = (held * (first[leg] - sample.rows[:, :n])).sum(axis=1)
-        return self.pore[leg] + np.where(self.undrained[leg], fallen, 0.0)
+        held, load_path = self.kept[sample.load_path], sample.load_path
+        fallen = (held * (first[load_path] - sample.rows[:, :n])).sum(axis=1)
+        return self.pore[load_path] + np.where(self.undrained[load_path], fallen, 0.0)
 
 
 def row_of(state: PointState) -> FloatArray:
@@ -130,7 +130,7 @@ def row_of(state: PointState) -> FloatArray:
 
 
 def consolidated(
-    soil: Soil, start: PointState, stages: Sequence[Sequence[Leg]], voids: Voids, tolerance: float
+    soil: Soil, start: PointState, stages: Sequence[Sequence[LoadPath]], voids: Voids, tolerance: float
 ) -> tuple[FloatArray, PointState]:
     """Lead a specimen through stages of consolidation: states at their ends (c, w), and the last one.
 
@@ -140,10 +140,10 @@ def consolidated(
         A stage has no solution, leaves no voids, or strains the specimen beyond 1.
     """
     state, rows = start, [np.empty((0, row_of(start).size))]
-    for legs in stages:
-        for leg in legs:
-            path = follow_leg(soil, leg, state, tolerance, dense=False)
-            _check(path, leg.name, voids)
+    for load_paths in stages:
+        for load_path in load_paths:
+            path = follow_load_path(soil, load_path, state, tolerance, dense=False)
+            _check(path, load_path.name, voids)
             state = path.end
         rows.append(row_of(state)[np.newaxis])
     return np.concatenate(rows), state
@@ -183,8 +183,8 @@ def sheared(
         for number in range(len(stage.targets)):
             water = voids.water(state.strain) if stage.undrained else math.inf
             drainage = Drainage(stage.undrained, axes.kept[stage.path], water)
-            leg = shear_leg(axes, stage, number, drainage, state, reference, base)
-            path = follow_leg(soil, leg, state, tolerance, dense=dense)
+            load_path = shear_leg(axes, stage, number, drainage, state, reference, base)
+            path = follow_load_path(soil, load_path, state, tolerance, dense=dense)
             _check(path, stage.name, voids)
             undrained.append(stage.undrained)
             pore.append(pressure)

@@ -121,8 +121,8 @@ def in_cycles(largest: bool) -> Pick:
     def pick(test: Record, x: FloatArray) -> Callable[[Look], FloatArray]:
         everywhere = test.trace.everywhere
         cycles = test.cycles[x.astype(np.int64) - 1]
-        first = np.maximum(np.searchsorted(everywhere.leg, cycles[:, 0], side="left") - 1, 0)
-        last = np.searchsorted(everywhere.leg, cycles[:, 1], side="right")
+        first = np.maximum(np.searchsorted(everywhere.load_path, cycles[:, 0], side="left") - 1, 0)
+        last = np.searchsorted(everywhere.load_path, cycles[:, 1], side="right")
         parts = list(zip(first.tolist(), last.tolist(), strict=True))
 
         def extremes(look: Look) -> FloatArray:

@@ -133,8 +133,8 @@ def _other_axes(stages: Sequence[ShearStage], whole: str) -> Iterator[Axis]:
         ends = np.cumsum([0.0, *durations])
         end = float(ends[-1])
         pieces = max(2, min(_CURVE_POINTS, _MOST_POINTS // len(durations)))
-        leg = np.unique(np.concatenate([np.geomspace(1.0e-4, 1.0, pieces // 2), np.linspace(0.0, 1.0, pieces)]))
-        grid = np.unique(np.concatenate([a + (b - a) * leg for a, b in pairwise(ends.tolist())]))
+        load_path = np.unique(np.concatenate([np.geomspace(1.0e-4, 1.0, pieces // 2), np.linspace(0.0, 1.0, pieces)]))
+        grid = np.unique(np.concatenate([a + (b - a) * load_path for a, b in pairwise(ends.tolist())]))
     words = f"over the time since the beginning of {whole}"
     yield Axis("time_", words, "time", "day", at_times, grid, 0.0, end)
     numbers = np.arange(1.0, len(stages) + 1.0)

@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.legs import Leg, PointState
+from geoswarm.solver.element_test.load_paths import LoadPath, PointState
 from geoswarm.solver.errors import InfeasibleError
 
 __all__ = ["Axes", "Control", "Drainage", "ShearStage", "shear_leg", "value_led"]
@@ -95,7 +95,7 @@ class Axes:
 
 @dataclass(frozen=True)
 class Drainage:
-    """What the pore water does during a leg.
+    """What the pore water does during a load path.
 
     ``kept`` (n,) is the total stress that stays as it is without drainage; ``water`` the stiffness of the pore water
     for each volume of soil, kPa, inf where it is rigid.
@@ -121,7 +121,7 @@ def shear_leg(
     state: PointState,
     reference: FloatArray,
     base: float,
-) -> Leg:
+) -> LoadPath:
     """One movement of a stage.
 
     Parameters
@@ -156,4 +156,4 @@ def shear_leg(
     duration = stage.durations[number] if stage.durations is not None else 0.0
     if stage.rate is not None:
         duration = abs(target - now) / stage.rate
-    return Leg(stage.name, stress_rows, strain_rows, goal, duration, hold=stage.hold)
+    return LoadPath(stage.name, stress_rows, strain_rows, goal, duration, hold=stage.hold)

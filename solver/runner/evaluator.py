@@ -18,7 +18,7 @@ __all__ = [
     "Evaluator",
     "InlineEvaluator",
     "RunLimits",
-    "NeverMind",
+    "EvaluationCancelled",
     "NoProcessError",
     "evaluate",
 ]
@@ -43,7 +43,7 @@ class RunLimits:
         return RunLimits(least, _least(self.memory_mb, memory_mb), self.of_time if least == self.seconds else of_time)
 
 
-class NeverMind(Exception):  # noqa: N818  no error
+class EvaluationCancelled(Exception):  # noqa: N818  no error
     """An evaluation was killed on request; ``index`` is its place, and nothing came of it."""
 
     def __init__(self, index: int) -> None:
@@ -113,7 +113,7 @@ class Evaluator(Protocol):
 
         Raises
         ------
-        NeverMind
+        EvaluationCancelled
             When an unwanted evaluation was killed; those before it were given.
         NoProcessError
             When the system has no process to spare; those before it were given.

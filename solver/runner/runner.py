@@ -15,7 +15,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, pack_array
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.runner.evaluator import BuildError, NeverMind, RunLimits
+from geoswarm.solver.runner.evaluator import BuildError, EvaluationCancelled, RunLimits
 from geoswarm.solver.runner.fork_server_link import POLL_SECONDS, ForkServerLink
 from geoswarm.solver.runner.output import anonymous_file, tail
 from geoswarm.solver.runner.process import EvaluationProcess
@@ -139,9 +139,9 @@ class Runner:
                     yield outcome
                 if given < first + len(part) and self._process is not None:
                     return
-            except NeverMind as end:
+            except EvaluationCancelled as end:
                 if given < first + len(part):  # else all had been answered
-                    raise NeverMind(max(first + _noted(end.index, part), given)) from None
+                    raise EvaluationCancelled(max(first + _noted(end.index, part), given)) from None
             except _SpoiledError as spoiled:
                 alone = max(first + _noted(spoiled.index, part), given)
             except _EndedError as ended:
@@ -232,7 +232,7 @@ class Runner:
             When the process had to be killed because of a limit.
         _SpoiledError
             When it had to be killed for memory that an earlier run may have left.
-        NeverMind
+        EvaluationCancelled
             When it had to be killed because nobody wants the result.
         ConnectionEnded, GarbledError
         """
@@ -251,7 +251,7 @@ class Runner:
                     deadline = now + patience
             elif now > deadline:
                 self._kill()
-                raise NeverMind(at.position)
+                raise EvaluationCancelled(at.position)
             self._keep_time(process, limits, at, now - max(asked, process.heard))
             if limits.memory_mb is not None and now - self._memory_at > MEMORY_SECONDS:
                 self._memory_at = now

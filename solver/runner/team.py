@@ -73,7 +73,7 @@ class Team:
         ------
         WorkerLostError
             When the system has no process to spare.
-        NeverMind
+        EvaluationCancelled
             When the team is ending.
         """
         runner = self._idle.get()

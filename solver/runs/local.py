@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Evaluation, Offer, choose_seed
+from geoswarm.solver.calibration import Calibration, Evaluation, WarmStartRuns, choose_seed
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.methods.widths import Situation
@@ -39,7 +39,7 @@ def calibrate(
     seed: int | None = None,
     on_generation: Callable[[GenerationRecord], None] | None = None,
     on_search_end: Callable[[CalibrationResult], None] | None = None,
-    offer: Offer | None = None,
+    offer: WarmStartRuns | None = None,
     keeper: Keeper | None = None,
     situations: Callable[[Situation, int], Situation] = lambda seen, _: seen,
 ) -> CalibrationResult:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.calibration import Calibration, Offer
+from geoswarm.solver.calibration import Calibration, WarmStartRuns
 from geoswarm.solver.problem import Problem
 
 __all__ = [
@@ -56,7 +56,7 @@ def forward_model_hash(problem: Problem) -> str:
     return hashlib.sha256(json.dumps(section, sort_keys=True, allow_nan=False).encode()).hexdigest()
 
 
-def offer_of(problem: Problem, earlier: EarlierRuns) -> Offer | str:
+def offer_of(problem: Problem, earlier: EarlierRuns) -> WarmStartRuns | str:
     """Return the runs that earlier problems offer to a problem, or why there are none.
 
     A run can be taken over when the forward model is the same, its curves have all points that are observed now, and
@@ -70,7 +70,7 @@ def offer_of(problem: Problem, earlier: EarlierRuns) -> Offer | str:
         return usable
     places, chosen, parameters = usable
     responses = [{series: earlier.responses[i][series][at] for series, at in places.items()} for i in chosen]
-    return Offer(parameters, responses)
+    return WarmStartRuns(parameters, responses)
 
 
 def usable_runs(
@@ -103,13 +103,13 @@ def usable_runs(
     return places, chosen, np.array(parameters)
 
 
-def best_of(problem: Problem, offers: Sequence[Offer]) -> Offer | None:
+def best_of(problem: Problem, offers: Sequence[WarmStartRuns]) -> WarmStartRuns | None:
     """Join offers, each point once, and keep at most :data:`MOST_OFFERED` runs; None if there are none."""
     if not offers:
         return None
     parameters = np.concatenate([offer.parameters for offer in offers])
     responses = [response for offer in offers for response in offer.responses]
-    objectives = Calibration(problem, 0, Offer(parameters, responses)).offered
+    objectives = Calibration(problem, 0, WarmStartRuns(parameters, responses)).offered
     order = np.argsort(np.array([] if objectives is None else objectives.objectives), kind="stable")
     _, first = np.unique(parameters[order], axis=0, return_index=True)
     order = order[np.sort(first)]
@@ -117,7 +117,7 @@ def best_of(problem: Problem, offers: Sequence[Offer]) -> Offer | None:
         half = MOST_OFFERED // 2
         rest = np.linspace(half, order.size - 1, MOST_OFFERED - half).round().astype(np.int64)
         order = np.concatenate([order[:half], order[rest]])
-    return Offer(parameters[order], [responses[i] for i in order])
+    return WarmStartRuns(parameters[order], [responses[i] for i in order])
 
 
 def _places(problem: Problem, earlier: Problem) -> dict[str, IntArray] | str:

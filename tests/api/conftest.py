@@ -17,11 +17,11 @@ from geoswarm.api import ApiSettings, bind, create_app
 from geoswarm.api.server import base_url, build_server
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.integration.engines import PATIENCE, wait_for
 
 API = "/api/v1"
@@ -55,7 +55,7 @@ def settings(tmp_path: Path, sqlite_template: Path) -> Settings:
 def service(settings: Settings) -> Iterator[JobService]:
     """No worker runs: submitted jobs stay queued."""
     store = Store(settings)
-    made = JobService(store, MuteDoorbell(), settings)
+    made = JobService(store, NoWaker(), settings)
     yield made
     made.close()
     store.close()
@@ -140,7 +140,7 @@ def small_engine(factory: pytest.TempPathFactory) -> Iterator[Engine]:
 
 @pytest.fixture(scope="module")
 def engine(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Engine]:
-    """An engine of a file; one that goes on would take what other tests of this process count (operations.tally)."""
+    """An engine of a file; one that goes on would take what other tests of this process count (operations.counters)."""
     with small_engine(tmp_path_factory) as running:
         yield running
 

@@ -7,7 +7,7 @@ import pytest
 from geoswarm.api import ApiSettings
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, line_problem
 
@@ -69,9 +69,9 @@ def test_others_are_refused(service: JobService, keyed: App, role: str, method: 
 
 def test_operations_count_what_waits_and_how_runs_ended(service: JobService, app: App) -> None:
     service.submit(parse_problem(line_problem()))
-    tally.run("finished", 0.1)
-    tally.run("diverged", 0.1)
-    tally.flush(service.store)
+    process_counters.run("finished", 0.1)
+    process_counters.run("diverged", 0.1)
+    process_counters.flush(service.store)
     found = app.get(f"{API}/operations").json()
     assert found["jobs"] == {"queued": 1}
     assert found["outcomes"]["diverged"] >= 1

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from geoswarm.api.heavy.requests import is_heavy
+from geoswarm.api.compute.requests import is_compute
 from geoswarm.client import AsyncClient, Client, HttpError
 from tests.api.conftest import API, App, LiveServer
 from tests.solver.ags.synthetic import COHESION, PHI, STRESSES, content, groups, void_ratio
@@ -152,7 +152,7 @@ def test_a_choice_that_makes_nothing_is_explained(app: App, query: dict[str, Any
 def test_limits_and_the_process_are_those_of_other_files(app: App) -> None:
     for path in (LIST, PROBLEM):
         assert app.post(path, content=b"x" * (32 * 2**20 + 1)).status_code == 413
-        assert is_heavy({"type": "http", "method": "POST", "path": path})
+        assert is_compute({"type": "http", "method": "POST", "path": path})
 
 
 def test_of_a_long_file_the_first_tests_are_listed(app: App) -> None:

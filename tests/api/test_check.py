@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import API, App, line_problem
 
 pytestmark = pytest.mark.usefixtures("misbehaving_models")
@@ -43,7 +43,7 @@ def test_a_run_that_crashes_ends_no_more_than_itself(app: App) -> None:
 
 def test_the_service_has_a_limit_of_its_own(settings: Settings) -> None:
     impatient = settings.model_copy(update={"check_seconds": 4.0})
-    with closing(Store(impatient)) as store, closing(JobService(store, MuteDoorbell(), impatient)) as service:
+    with closing(Store(impatient)) as store, closing(JobService(store, NoWaker(), impatient)) as service:
         app = App(service)
         assert app.post(f"{API}/problems/check", json=line_problem()).json()["test_run"]["state"] == "finished"
         run = app.post(f"{API}/problems/check", json=misbehaving("for_ever")).json()["test_run"]

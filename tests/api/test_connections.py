@@ -24,7 +24,7 @@ from tests.integration.engines import PATIENCE
 SCRIPT = """
 import os, resource, sys, threading
 from geoswarm.api import ApiSettings, serve
-from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.waker import NoWaker
 from geoswarm.workers.logs import start_logging
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
@@ -50,7 +50,7 @@ start_logging("warning")
 settings = Settings(database_url="sqlite:///jobs.db")
 store = Store(settings)
 patient = ApiSettings(head_seconds=10_000)  # who waits for the end of an unfinished head waits for ever
-service = JobService(store, MuteDoorbell(), settings)
+service = JobService(store, NoWaker(), settings)
 serve(service, port=0, settings=patient, on_started=lambda url: print(url, flush=True))
 store.close()
 """

@@ -10,11 +10,11 @@ from sqlalchemy.exc import OperationalError
 
 from geoswarm.api.errors import TRANSLATED, translate
 from geoswarm.workers import errors as workers_errors
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import API, App, line_problem, live_server
 
 
@@ -56,7 +56,7 @@ class BrokenService(JobService):
     """Its database is gone, or it has a bug."""
 
     def __init__(self, error: Exception, folder: Path) -> None:
-        super().__init__(Store(Settings(database_url=f"sqlite:///{folder}/jobs.db")), MuteDoorbell())
+        super().__init__(Store(Settings(database_url=f"sqlite:///{folder}/jobs.db")), NoWaker())
         self.error = error
 
     def get(self, _job_id: str) -> object:  # type: ignore[override]
@@ -139,6 +139,6 @@ def test_every_error_of_the_engine_that_requests_can_meet_has_a_translation() ->
         translate(KeyError())
 
 
-def test_mute_doorbell_is_enough_for_a_service_that_only_stores(app: App, service: JobService) -> None:
-    assert isinstance(service.doorbell, MuteDoorbell)
+def test_mute_waker_is_enough_for_a_service_that_only_stores(app: App, service: JobService) -> None:
+    assert isinstance(service.waker, NoWaker)
     assert app.get("/health/ready").json()["dependencies"] == {"database": "ok", "broker": "embedded"}

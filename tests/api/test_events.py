@@ -20,7 +20,7 @@ from geoswarm.records.event import Event
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.hosts.engine import Engine
 from geoswarm.workers.service.job_service import JobService
-from geoswarm.workers.store.event_bell import insert_events
+from geoswarm.workers.store.event_listener import insert_events
 from tests.api.conftest import API, LiveServer, line_problem, live_server, wait_until
 from tests.integration.engines import PATIENCE
 

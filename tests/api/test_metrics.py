@@ -9,12 +9,12 @@ from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanE
 from prometheus_client.parser import text_string_to_metric_families
 
 from geoswarm.workers import tracing
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import API, App, line_problem
 
 
@@ -29,7 +29,7 @@ def samples(app: App) -> dict[tuple[str, str], float]:
 
 
 def work(service: JobService, settings: Settings, job_id: str) -> None:
-    worker = Worker(service.store, MuteDoorbell(), settings, Identity.new("embedded"))
+    worker = Worker(service.store, NoWaker(), settings, Identity.new("embedded"))
     worker.start()
     worker.serve(job_id)
     worker.close()
@@ -37,7 +37,7 @@ def work(service: JobService, settings: Settings, job_id: str) -> None:
 
 @pytest.fixture(autouse=True)
 def nothing_counted_before() -> None:
-    tally.take()
+    process_counters.take()
 
 
 def test_jobs_runs_and_seconds_are_counted_over_all_processes(
@@ -63,7 +63,7 @@ def test_jobs_runs_and_seconds_are_counted_over_all_processes(
 
 def test_what_waits_is_the_queue_depth(app: App, service: JobService, settings: Settings) -> None:
     job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
-    worker = Worker(service.store, MuteDoorbell(), settings, Identity.new("embedded"))
+    worker = Worker(service.store, NoWaker(), settings, Identity.new("embedded"))
     course = worker._course(job)
     assert course is not None
     worker.runtime.start(job, course.start())

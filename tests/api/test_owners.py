@@ -198,7 +198,7 @@ def test_a_quota_is_told_as_such(settings: Settings) -> None:
 
 
 class _Mute:
-    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:
+    def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:
         """Ring nobody."""
 
     def health(self) -> str:

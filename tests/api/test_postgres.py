@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import API, App, LiveServer, line_problem
 from tests.integration.engines import PATIENCE
 from tests.servers import PostgresServer
@@ -20,7 +20,7 @@ from tests.servers import PostgresServer
 def service(fresh_postgres_url: str) -> Iterator[JobService]:
     settings = Settings(database_url=fresh_postgres_url, connect_seconds=2)
     store = Store(settings)
-    made = JobService(store, MuteDoorbell(), settings)
+    made = JobService(store, NoWaker(), settings)
     yield made
     made.close()
     store.close()

@@ -13,12 +13,12 @@ from hypothesis import HealthCheck, Phase, given, settings
 from geoswarm.api import ApiSettings, create_app
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.access.principal import Principal
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import line_problem
 from tests.variants import variants
 
@@ -32,13 +32,13 @@ class World:
     def __init__(self, folder: Path) -> None:
         engine = Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=1, quota_jobs=10**6, slice_seconds=60)
         self.store = Store(engine)
-        self.service = JobService(self.store, MuteDoorbell(), engine)
+        self.service = JobService(self.store, NoWaker(), engine)
         document = line_problem(name=SECRET)
         from geoswarm.solver.problem import parse_problem
 
         alice = self.service.on_behalf_of(Principal("alice", "submit"))
         self.job = alice.submit(parse_problem(document))[0].id
-        worker = Worker(self.store, MuteDoorbell(), engine, Identity.new("embedded"))
+        worker = Worker(self.store, NoWaker(), engine, Identity.new("embedded"))
         worker.serve(self.job)
         worker.close()
         ring = ApiKeys(self.store)

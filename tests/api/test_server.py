@@ -88,7 +88,7 @@ SCRIPT = """
 import sys
 import geoswarm.api.server
 from geoswarm.api import serve
-from geoswarm.workers.doorbell import MuteDoorbell
+from geoswarm.workers.waker import NoWaker
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -96,7 +96,7 @@ from geoswarm.workers.store import Store
 geoswarm.api.server.GRACE_SECONDS = 10_000  # it would wait for an open stream as long
 settings = Settings(database_url="sqlite:///jobs.db")
 store = Store(settings)
-serve(JobService(store, MuteDoorbell(), settings), port=0, on_started=lambda url: print(url, flush=True))
+serve(JobService(store, NoWaker(), settings), port=0, on_started=lambda url: print(url, flush=True))
 store.close()
 print("closed", flush=True)
 """

@@ -106,7 +106,7 @@ class Neighbour:
 @contextmanager
 def attacked(folder: Path) -> Iterator[tuple[Service, Neighbour, Neighbour]]:
     """A service, a second owner's calm run on it, and one that is to come; at the end nothing must be left."""
-    limits = {"GEOSWARM_HEAVY_SECONDS": "20", "GEOSWARM_QUOTA_MB": str(QUOTA)}
+    limits = {"GEOSWARM_COMPUTE_SECONDS": "20", "GEOSWARM_QUOTA_MB": str(QUOTA)}
     with serving(folder, free_port(), "--workers", "2", **limits) as service:
         key = service.key_of("neighbour")
         with Neighbour(service, key) as calm:

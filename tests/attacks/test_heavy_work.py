@@ -18,7 +18,7 @@ from tests.integration.engines import PATIENCE, wait_for
 from tests.servers import free_port
 
 OTHERS = ("problems/check", "jobs")  # work on a problem in the same way
-LIMITS = {"GEOSWARM_HEAVY_SECONDS": "10", "GEOSWARM_HEAVY_MEMORY_MB": "900"}
+LIMITS = {"GEOSWARM_COMPUTE_SECONDS": "10", "GEOSWARM_COMPUTE_MEMORY_MB": "900"}
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ def test_a_neighbour_that_hangs_everything_is_not_noticed(service: Service) -> N
 
 
 def test_a_request_whose_client_has_left_is_ended(tmp_path: Path) -> None:
-    with serving(tmp_path, free_port(), "--workers", "1", GEOSWARM_HEAVY_SECONDS="3600") as service:
+    with serving(tmp_path, free_port(), "--workers", "1", GEOSWARM_COMPUTE_SECONDS="3600") as service:
         body = json.dumps(bad("hang"))
         head = f"POST /api/v1/problems/read HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {service.key}\r\n"
         head += f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
@@ -92,7 +92,7 @@ def test_a_request_whose_client_has_left_is_ended(tmp_path: Path) -> None:
 def _hangs(service: Service) -> bool:
     """Whether a process of the service is one that answers requests and does so now."""
     with service.client() as client:
-        return "geoswarm_heavy_busy 0" not in client.get("/metrics").text
+        return "geoswarm_compute_busy 0" not in client.get("/metrics").text
 
 
 @pytest.mark.slow

@@ -30,10 +30,10 @@ from geoswarm.records.evaluation import Evaluation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.access.keys import ApiKeys
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.chaos.faults import Disturber
 from tests.chaos.fleet import MARK, Fleet
 from tests.chaos.jobs import Planned, User, plan
@@ -228,7 +228,7 @@ def check(database_url: str, jobs: list[Planned], expected: list[list[Bits]], ca
     evaluations, by_agents, runs, ended = 0, 0, 0.0, []
     store = Store(Settings(database_url=database_url))
     try:
-        service = JobService(store, MuteDoorbell())
+        service = JobService(store, NoWaker())
         ids = {job.name: job.id for job in service.list(limit=100).items}
         assert sorted(ids) == sorted(job.problem.name for job in jobs)
         for job, history in zip(jobs, expected, strict=True):

@@ -24,7 +24,7 @@ STATISTICS = ("geoswarm.solver.identifiability", "geoswarm.solver.estimates", "g
 LOADS_NOT: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("geoswarm", "geoswarm.cli", "geoswarm.solver", "geoswarm.workers"), (*SLOW, "numpy", "pydantic")),
     "geoswarm.client": (*SLOW, "numpy"),
-    **dict.fromkeys(("geoswarm.api.app", "geoswarm.api.heavy_program"), (*SLOW, *STATISTICS, "redis")),
+    **dict.fromkeys(("geoswarm.api.app", "geoswarm.api.compute_program"), (*SLOW, *STATISTICS, "redis")),
     "geoswarm.workers.hosts.embedded_worker": (*SLOW, *STATISTICS, "redis", "fastapi", "httpx"),
     "geoswarm.workers.hosts.tasks": (*(name for name in SLOW if name != "celery"), *STATISTICS, "fastapi", "httpx"),
     **dict.fromkeys(

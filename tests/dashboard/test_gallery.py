@@ -15,7 +15,7 @@ from playwright.sync_api import Page, expect
 
 from geoswarm.solver.examples import example_file
 from geoswarm.solver.problem import load_problem, parse_problem
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
 from tests.api.conftest import BROKEN
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
@@ -193,9 +193,9 @@ def test_statistics_and_mesh(embedded: Site, visit: Visit, look: str, check_view
 
 
 def test_administration(full: Site, visit: Visit, look: str, check_view: CheckView) -> None:
-    tally.run("finished", 0.1)
-    tally.run("timeout", 0.1)
-    tally.flush(full.service.store)
+    process_counters.run("finished", 0.1)
+    process_counters.run("timeout", 0.1)
+    process_counters.flush(full.service.store)
     page, _ = visit(full, "/workers", **LOOKS[look])
     expect(page.locator("h1")).to_have_text("Sign in")
     check_view(page, "sign-in")

@@ -13,8 +13,8 @@ from geoswarm.solver.system.versions import versions
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.agents.desk import AgentDesk
 from geoswarm.workers.agents.work import Announcement
-from geoswarm.workers.doorbell import MuteDoorbell
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
@@ -27,9 +27,9 @@ Visit = Callable[..., Opened]
 @pytest.mark.parametrize("theme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 def test_an_administrator_sees_workers_queue_and_failures(embedded: Site, visit: Visit, theme: str) -> None:
     ended(embedded.service, line_problem())
-    tally.run("finished", 0.1)
-    tally.run("timeout", 0.1)
-    tally.flush(embedded.service.store)
+    process_counters.run("finished", 0.1)
+    process_counters.run("timeout", 0.1)
+    process_counters.flush(embedded.service.store)
     page, _ = visit(embedded, "/workers", color_scheme=theme)
     expect(page.locator("#workers tbody tr")).to_have_count(1)
     expect(page.locator("#workers")).to_contain_text("embedded")
@@ -50,7 +50,7 @@ def test_a_running_job_is_shown_at_its_worker(embedded: Site, visit: Visit) -> N
 
 
 def test_slots_of_an_agent_stand_together(embedded: Site, visit: Visit) -> None:
-    desk = AgentDesk(embedded.service.store, MuteDoorbell(), embedded.service.settings)
+    desk = AgentDesk(embedded.service.store, NoWaker(), embedded.service.settings)
     of = {**versions(), "geoswarm": "0.0.1"}
     models = {"footing": "ab" * 32, "plaxis_slope": "cd" * 32}
     desk.announce("", Announcement("pc-07-4711-ab12", "pc-07", "Windows 11 AMD64", 4711, 2, versions(), [], models))

@@ -11,10 +11,10 @@ from geoswarm import Client
 from geoswarm.client.errors import GeoswarmError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.workers.access.keys import ApiKeys
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.chaos.fleet import MARK, Fleet
 from tests.integration.engines import wait_for
 from tests.servers import free_port
@@ -148,7 +148,7 @@ class Installation:
     def _with(self, look: Callable[[JobService], T]) -> T:
         store = Store(Settings(database_url=self.database_url))
         try:
-            return look(JobService(store, MuteDoorbell()))
+            return look(JobService(store, NoWaker()))
         finally:
             store.close()
 

@@ -37,7 +37,7 @@ STEADY: dict[str, Any] = {
     "heartbeat_seconds": 0.5,
     "sweep_seconds": 0.5,
     "slice_seconds": 0.3,
-    "burst_seconds": 0.0,
+    "local_batch_seconds": 0.0,
     "cheap_seconds": 0.0,
     "single_seconds": 0.0,
 }

@@ -14,7 +14,6 @@ from sqlalchemy.engine import make_url
 
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.access.principal import LOCAL, Principal
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.notices.hooks import Hooks
@@ -23,6 +22,7 @@ from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.servers import PostgresServer, find_program
 from tests.workers.hand import Hand, runtime_for
 from tests.workers.problems import course, expected_history, line, recorded_history
@@ -36,13 +36,13 @@ def settings_for(url: str) -> Settings:
 
 def begin(store: Store, settings: Settings) -> tuple[str, str, str]:
     """Leave a finished job, one in mid-generation with a claim under way, and a queued one; their ids."""
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     ids = [service.submit(PROBLEM, idempotency_key=name)[0].id for name in ("done", "half", "queued")]
     finish(store, settings, ids[0])
     hand = Hand(runtime_for(store, settings), ids[1], "lost", course(PROBLEM))
     hand.take()
     for _ in range(5):
-        hand.hand_in(1)
+        hand.submission(1)
     assert service.get(ids[1]).state == "running"
     ApiKeys(store).create("anna", "submit")
     Hooks(store, Principal("anna", "submit"), NoticeSettings()).create("https://example.org/hook")
@@ -50,11 +50,11 @@ def begin(store: Store, settings: Settings) -> tuple[str, str, str]:
 
 
 def finish(store: Store, settings: Settings, job_id: str) -> None:
-    worker = Worker(store, MuteDoorbell(), settings, Identity.new("embedded"))
+    worker = Worker(store, NoWaker(), settings, Identity.new("embedded"))
     worker.start()
-    Sweeper(worker.runtime, MuteDoorbell()).release(job_id, 0, ["lost"])
-    while JobService(store, MuteDoorbell(), settings).get(job_id).state in ("queued", "running"):
-        Sweeper(worker.runtime, MuteDoorbell()).sweep()
+    Sweeper(worker.runtime, NoWaker()).release(job_id, 0, ["lost"])
+    while JobService(store, NoWaker(), settings).get(job_id).state in ("queued", "running"):
+        Sweeper(worker.runtime, NoWaker()).sweep()
         worker.serve(job_id)
     worker.close()
 
@@ -63,7 +63,7 @@ def check_copy(url: str, ids: tuple[str, str, str], key_count: int = 1) -> None:
     """All is there, and what was not finished comes to the end that it would have had."""
     settings = settings_for(url)
     with closing(Store(settings)) as store:
-        service = JobService(store, MuteDoorbell(), settings)
+        service = JobService(store, NoWaker(), settings)
         done, half, queued = ids
         states = {job.id: job.state for job in service.list().items}
         assert states == {done: "finished", half: "running", queued: "queued"}
@@ -116,7 +116,7 @@ def test_postgresql_by_pg_dump(fresh_postgres_url: str, other_server: PostgresSe
         url = other_server.create_database()
         run("pg_restore", url, "--no-owner", "--exit-on-error", "--dbname", make_url(url).database or "", dump)
         check_copy(url, ids)
-        service = JobService(store, MuteDoorbell(), settings)
+        service = JobService(store, NoWaker(), settings)
         assert service.get(ids[1]).state == "running"  # the original knows nothing of it, and goes on by itself
         finish(store, settings, ids[1])
         assert recorded_history(service, ids[1]) == expected_history(PROBLEM)

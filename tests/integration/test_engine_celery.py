@@ -35,7 +35,7 @@ def settings(fresh_postgres_url: str, fresh_redis_url: str) -> Settings:
 @pytest.mark.slow
 def test_same_history_as_in_process_for_1_and_2_workers(settings: Settings) -> None:
     problem = line(stopping={"max_evaluations": 300})
-    plain = settings.model_copy(update={"burst_seconds": 0.02, "cheap_seconds": 0.05})
+    plain = settings.model_copy(update={"local_batch_seconds": 0.02, "cheap_seconds": 0.05})
     with open_engine(plain) as engine:
         for count in (1, 2):
             with celery_workers(plain, count):

@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 
 from geoswarm.solver.problem import parse_problem
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.attacks.attacks import bad
 from tests.integration.engines import STEADY, Gated, process_exists, wait_for, wait_until_ended
 from tests.servers import PostgresServer
@@ -45,7 +45,7 @@ def service_alone(settings: Settings) -> Iterator[JobService]:
     """A service without any worker."""
     store = Store(settings)
     try:
-        yield JobService(store, MuteDoorbell())
+        yield JobService(store, NoWaker())
     finally:
         store.close()
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration, Offer
+from geoswarm.solver.calibration import Calibration, WarmStartRuns
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
@@ -31,13 +31,13 @@ def sampling(**changes: Any) -> Problem:
     return problem(method={"kind": "monte_carlo", "samples": 60}, stopping=None, **changes)
 
 
-def offered(now: Problem, runs: EarlierRuns) -> Offer:
+def offered(now: Problem, runs: EarlierRuns) -> WarmStartRuns:
     offer = offer_of(now, runs)
-    assert isinstance(offer, Offer)
+    assert isinstance(offer, WarmStartRuns)
     return offer
 
 
-def check_runs(now: Problem, offer: Offer) -> None:
+def check_runs(now: Problem, offer: WarmStartRuns) -> None:
     """What is offered is what a run of the new problem would give."""
     calibration = Calibration(now, 1)
     for parameters, responses in list(zip(offer.parameters, offer.responses, strict=True))[:5]:
@@ -108,7 +108,7 @@ def test_offers_are_joined_each_point_once_and_bounded() -> None:
     assert len(joined.parameters) == len(offer.parameters)
     many = 3 * MOST_OFFERED
     random = np.random.default_rng(1)
-    large = Offer(1.0 + random.random((many, 2)), [{"y": random.random(21)} for _ in range(many)])
+    large = WarmStartRuns(1.0 + random.random((many, 2)), [{"y": random.random(21)} for _ in range(many)])
     bounded = best_of(problem(), [large])
     assert bounded is not None
     assert len(bounded.parameters) == len(bounded.responses) == MOST_OFFERED

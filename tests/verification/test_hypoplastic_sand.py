@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.controls import Stage
+from geoswarm.solver.element_test.boundary_conditions import Stage
 from geoswarm.solver.element_test.material_point import History, follow, point_under
 from geoswarm.solver.element_test.setups import drained_triaxial, simple_shear, undrained_triaxial
 from geoswarm.solver.laws.base import Soil

@@ -13,7 +13,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.controls import Stage
+from geoswarm.solver.element_test.boundary_conditions import Stage
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import drained_triaxial, undrained_triaxial
 from geoswarm.solver.laws.base import Soil

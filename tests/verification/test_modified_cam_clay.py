@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from geoswarm.solver.element_test.controls import Stage, strain_change
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change
 from geoswarm.solver.element_test.material_point import History, PointState, follow, point_under
 from geoswarm.solver.element_test.setups import (
     constant_rate_oedometer,

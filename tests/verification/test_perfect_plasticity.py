@@ -16,7 +16,7 @@ from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 from geoswarm.solver.constitutive.tensors import rotation_matrix
-from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.material_point import History, follow, point_under
 from geoswarm.solver.element_test.setups import drained_triaxial, simple_shear
 from geoswarm.solver.errors import InfeasibleError

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, soft_soil_creep
-from geoswarm.solver.element_test.controls import Stage, strain_change
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load
 from geoswarm.verification.exact.creep import cone

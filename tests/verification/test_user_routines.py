@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.consolidation import Column
-from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.material_point import History, follow, point_under
 from geoswarm.solver.element_test.setups import (
     confined_load,

@@ -22,13 +22,13 @@ ON_SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 """For what no database makes different."""
 
 
-class RecordingDoorbell:
+class RecordingWaker:
     """Remembers the rings."""
 
     def __init__(self) -> None:
         self.rings: list[str] = []
 
-    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:  # noqa: ARG002
+    def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:  # noqa: ARG002
         self.rings += [job_id] * times
 
     def health(self) -> str:
@@ -95,24 +95,24 @@ def store(settings: Settings) -> Iterator[Store]:
 
 
 @pytest.fixture
-def doorbell() -> RecordingDoorbell:
-    """A doorbell that remembers."""
-    return RecordingDoorbell()
+def waker() -> RecordingWaker:
+    """A waker that remembers."""
+    return RecordingWaker()
 
 
 @pytest.fixture
-def service(store: Store, doorbell: RecordingDoorbell, settings: Settings) -> JobService:
+def service(store: Store, waker: RecordingWaker, settings: Settings) -> JobService:
     """The service on the store."""
-    return JobService(store, doorbell, settings)
+    return JobService(store, waker, settings)
 
 
 @pytest.fixture
-def make_worker(store: Store, doorbell: RecordingDoorbell, settings: Settings) -> Iterator[MakeWorker]:
+def make_worker(store: Store, waker: RecordingWaker, settings: Settings) -> Iterator[MakeWorker]:
     """Make a worker that the test drives itself; keywords change the settings."""
     made: list[Worker] = []
 
     def make(**changes: Any) -> Worker:
-        made.append(Worker(store, doorbell, settings.model_copy(update=changes), Identity.new("embedded")))
+        made.append(Worker(store, waker, settings.model_copy(update=changes), Identity.new("embedded")))
         return made[-1]
 
     yield make

@@ -8,7 +8,7 @@ from sqlalchemy import update
 
 from geoswarm.solver.course import Course
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result
+from geoswarm.workers.coordinator.work import Claim, Exchange, Result, Submission
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import evaluations, jobs, workers
@@ -28,27 +28,27 @@ class Hand:
         self.course = course
         self.claim: Claim | None = None
 
-    def exchange(self, hand_in: HandIn, *, want: bool = True) -> Exchange:
+    def exchange(self, submission: Submission, *, want: bool = True) -> Exchange:
         answer = self.runtime.exchange(
-            self.job_id, self.name, self.course, hand_in, live_workers=2, want=want, taken_up=True
+            self.job_id, self.name, self.course, submission, live_workers=2, want=want, taken_up=True
         )
         if answer.queued:
             self.runtime.start(self.job_id, self.course.start())
-            return self.exchange(hand_in, want=want)
+            return self.exchange(submission, want=want)
         self.claim = answer.claim
         return answer
 
     def take(self) -> Exchange:
-        return self.exchange(HandIn())
+        return self.exchange(Submission())
 
-    def results(self, count: int | None = None) -> HandIn:
+    def results(self, count: int | None = None) -> Submission:
         claim = self.claim
         assert claim is not None
         triples = list(zip(claim.particles, claim.attempts, claim.positions, strict=True))[:count]
         results = [Result(p, a, self.course.calibration.evaluate(x), claim.now, claim.now + 1.0) for p, a, x in triples]
-        return HandIn(claim, (), claim.generation, results)
+        return Submission(claim, (), claim.generation, results)
 
-    def hand_in(self, count: int | None = None, *, want: bool = True) -> Exchange:
+    def submission(self, count: int | None = None, *, want: bool = True) -> Exchange:
         return self.exchange(self.results(count), want=want)
 
     def reach_ahead(self, count: int) -> Claim | None:
@@ -61,7 +61,7 @@ class Hand:
 
 
 def runtime_for(store: Store, settings: Settings, **changes: float) -> Runtime:
-    return Runtime(store, settings.model_copy(update={"burst_seconds": 0.0} | changes))
+    return Runtime(store, settings.model_copy(update={"local_batch_seconds": 0.0} | changes))
 
 
 def pass_time(store: Store, seconds: float) -> None:
@@ -74,4 +74,4 @@ def pass_time(store: Store, seconds: float) -> None:
 def finish(hand: Hand) -> None:
     hand.take()
     while hand.claim is not None:
-        hand.hand_in()
+        hand.submission()

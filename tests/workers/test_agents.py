@@ -17,12 +17,12 @@ from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.agents.desk import AgentDesk
 from geoswarm.workers.agents.needs import needs_of
 from geoswarm.workers.agents.work import Announcement, BroughtRun, Grant, Wanted
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import LeaseOverError, QuotaExceededError, UnknownAgentError
 from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.workers.conftest import ON_SQLITE, MakeWorker
 from tests.workers.problems import expected_history, line, recorded_history
 
@@ -58,12 +58,12 @@ class ByHand:
 
     def bring(self, grant: Grant, runs: Sequence[BroughtRun] | None = None, slot: int | None = None) -> Any:
         wanted = None if slot is None else Wanted(self.name, slot, 100)
-        return self.desk.hand_in(self.key, grant.id, self.made(grant) if runs is None else runs, None, wanted)
+        return self.desk.submission(self.key, grant.id, self.made(grant) if runs is None else runs, None, wanted)
 
 
 @pytest.fixture
 def desk(store: Store, settings: Settings) -> AgentDesk:
-    return AgentDesk(store, MuteDoorbell(), settings)
+    return AgentDesk(store, NoWaker(), settings)
 
 
 def submitted(service: JobService, problem: Problem = SHORT) -> str:
@@ -84,7 +84,7 @@ def test_agents_and_workers_mixed_make_the_same_history(
     desk: AgentDesk, service: JobService, make_worker: MakeWorker
 ) -> None:
     job_id, agent = submitted(service), ByHand(desk)
-    worker = make_worker(slice_seconds=0.01, burst_seconds=0.0, cheap_seconds=0.0, single_seconds=0.0)
+    worker = make_worker(slice_seconds=0.01, local_batch_seconds=0.0, cheap_seconds=0.0, single_seconds=0.0)
     worker.start()
     by: set[str | None] = set()
     while service.get(job_id).state not in ENDED_STATES:
@@ -220,7 +220,7 @@ def test_a_job_that_is_not_wanted_ends_its_leases(desk: AgentDesk, service: JobS
     with pytest.raises(LeaseOverError, match="its job is paused"):
         desk.beat("", grant.id)
     runs = agent.made(grant)[:1]
-    assert desk.hand_in("", grant.id, runs, grant.runs[1].particle, None) == (True, None)
+    assert desk.submission("", grant.id, runs, grant.runs[1].particle, None) == (True, None)
     with pytest.raises(LeaseOverError, match="it has ended"):
         desk.beat("", grant.id)
     second = service.attempts(job_id, 0, grant.runs[1].particle)
@@ -243,7 +243,7 @@ def test_revoking_a_key_ends_its_leases(desk: AgentDesk, service: JobService, st
     grant = agent.lease(runs=1)
     assert grant is not None
     ApiKeys(store).revoke(view.id)
-    Sweeper(desk._runtime, MuteDoorbell()).sweep()
+    Sweeper(desk._runtime, NoWaker()).sweep()
     first = service.evaluation(job_id, 0, grant.runs[0].particle)
     assert (first.state, first.attempts) == ("pending", 0)  # no try was counted
     with pytest.raises(LeaseOverError):
@@ -254,7 +254,7 @@ def test_revoking_a_key_ends_its_leases(desk: AgentDesk, service: JobService, st
 
 def test_agents_and_leases_of_a_key_are_limited(store: Store, settings: Settings, service: JobService) -> None:
     submitted(service)
-    desk = AgentDesk(store, MuteDoorbell(), settings.model_copy(update={"quota_agents": 1, "quota_leases": 1}))
+    desk = AgentDesk(store, NoWaker(), settings.model_copy(update={"quota_agents": 1, "quota_leases": 1}))
     agent = ByHand(desk)
     with pytest.raises(QuotaExceededError, match="at most 1 are accepted \\(GEOSWARM_QUOTA_AGENTS\\)"):
         ByHand(desk, "second")

@@ -11,7 +11,7 @@ import pytest
 
 from geoswarm.solver.course import Course
 from geoswarm.solver.runner.runner import Runner
-from geoswarm.workers.coordinator.work import Claim, HandIn
+from geoswarm.workers.coordinator.work import Claim, Submission
 from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.settings import Settings
 from tests.solver.runner.test_runner import misbehaving
@@ -37,13 +37,15 @@ def runner(misbehaving_models: None) -> Iterator[Runner]:  # noqa: ARG001  forks
     made.close()
 
 
-def run(claim: Claim, runner: Runner, worker: MakeWorker, settings: Settings, *answers: Claim | None) -> list[HandIn]:
+def run(
+    claim: Claim, runner: Runner, worker: MakeWorker, settings: Settings, *answers: Claim | None
+) -> list[Submission]:
     """Run a claim of sleeping evaluations; what was handed in early comes first, and what is left at the end last."""
     given = iter(answers)
-    handed: list[HandIn] = []
+    handed: list[Submission] = []
 
-    def early(hand_in: HandIn, want: bool) -> tuple[bool, Claim | None]:
-        handed.append(hand_in)
+    def early(submission: Submission, want: bool) -> tuple[bool, Claim | None]:
+        handed.append(submission)
         return True, next(given, None) if want else None
 
     model = Course(misbehaving(behaviour="sleep", seconds=SECONDS, above=-9.0))
@@ -56,19 +58,19 @@ def waiting(folder: Path) -> Course:
     return Course(misbehaving(behaviour="wait", seconds=0.02, above=-9.0, notes=str(folder)))
 
 
-def particles(hand_in: HandIn) -> list[int]:
-    return [result.particle for result in hand_in.results]
+def particles(submission: Submission) -> list[int]:
+    return [result.particle for result in submission.results]
 
 
 def test_the_next_claim_is_fetched_before_the_last_evaluation_ends(
     runner: Runner, make_worker: MakeWorker, settings: Settings, tmp_path: Path
 ) -> None:
     ahead = replace(CLAIM, particles=(4, 5), attempts=(1, 2), positions=np.array([[1.5], [2.0]]))
-    asked: list[HandIn] = []
+    asked: list[Submission] = []
 
-    def early(hand_in: HandIn, want: bool) -> tuple[bool, Claim | None]:
+    def early(submission: Submission, want: bool) -> tuple[bool, Claim | None]:
         assert want
-        asked.append(hand_in)
+        asked.append(submission)
         for name in (["1", "1.5"], ["2"])[len(asked) - 1]:  # the last evaluation of the claim may end now
             (tmp_path / name).touch()
         return True, ahead if len(asked) == 1 else None
@@ -107,7 +109,7 @@ def test_what_was_fetched_ahead_goes_back_when_the_worker_is_to_end(
     ahead = replace(CLAIM, particles=(4,), attempts=(1,), positions=np.array([[0.5]]))
     worker = make_worker(grace_seconds=600.0)
 
-    def early(_: HandIn, want: bool) -> tuple[bool, Claim | None]:
+    def early(_: Submission, want: bool) -> tuple[bool, Claim | None]:
         worker.stopping.set()
         (tmp_path / "1").touch()
         return True, ahead if want else None

@@ -13,7 +13,7 @@ from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import evaluations
-from tests.workers.conftest import MakeWorker, RecordingDoorbell
+from tests.workers.conftest import MakeWorker, RecordingWaker
 from tests.workers.hand import COURSE, PROBLEM, Hand, runtime_for
 from tests.workers.problems import expected_history, line, recorded_history
 
@@ -110,8 +110,8 @@ def test_without_room_finished_runs_come_in_and_none_goes_out(
     one.runtime.settings = two.runtime.settings = short_of(settings)
     done = service.get(job_id).evaluations
     while two.claim is not None:
-        two.hand_in()
-    answer = one.hand_in()
+        two.submission()
+    answer = one.submission()
     assert answer.claim is None
     assert answer.left
     finished = select(func.count()).where(evaluations.c.state == "finished")
@@ -120,7 +120,7 @@ def test_without_room_finished_runs_come_in_and_none_goes_out(
     one.runtime.settings = two.runtime.settings = roomy
     two.take()
     while two.claim is not None:
-        two.hand_in()
+        two.submission()
     assert service.get(job_id).state == "finished"
     assert recorded_history(service, job_id) == expected_history(PROBLEM)
 
@@ -154,7 +154,7 @@ def test_the_reason_shows_in_the_job_in_readiness_and_to_who_submits(
     job_id, done = service.submit(line(), idempotency_key="k")[0].id, service.submit(line())[0].id
     service.cancel(done)
     assert service.get(job_id).warnings == []
-    full = JobService(store, RecordingDoorbell(), short_of(settings))
+    full = JobService(store, RecordingWaker(), short_of(settings))
     reason = r"database: its disk has \d+ MB left; at least 1000000000 MB are kept free \(GEOSWARM_DISK_RESERVE_MB\)"
     with pytest.raises(StoreUnavailableError, match=reason):
         full.submit(line())

@@ -24,13 +24,13 @@ METHODS: list[dict[str, Any]] = [
 
 @ON_SQLITE
 @pytest.mark.parametrize("method", METHODS, ids=["textbook", "accelerated"])
-@pytest.mark.parametrize("burst_seconds", [0.0, 5.0], ids=["single generations", "bursts"])
+@pytest.mark.parametrize("local_batch_seconds", [0.0, 5.0], ids=["single generations", "bursts"])
 def test_a_finished_job_goes_on_as_if_it_had_been_asked_for_more_at_first(
-    service: JobService, make_worker: MakeWorker, method: dict[str, Any], burst_seconds: float
+    service: JobService, make_worker: MakeWorker, method: dict[str, Any], local_batch_seconds: float
 ) -> None:
     wanted = line(method=method, stopping={"max_evaluations": 90})
     job_id = service.submit(line(method=method, stopping={"max_evaluations": 36}))[0].id
-    worker = make_worker(burst_seconds=burst_seconds)
+    worker = make_worker(local_batch_seconds=local_batch_seconds)
     worker.serve(job_id)
     assert service.get(job_id).stop_reasons == ["max_evaluations"]
     view = service.change_stopping(job_id, Stopping(max_evaluations=90))
@@ -122,7 +122,7 @@ def test_a_cancelled_job_goes_on_too(service: JobService, make_worker: MakeWorke
         return run(self)
 
     monkeypatch.setattr(ClaimRunner, "run", interrupted)
-    worker = make_worker(burst_seconds=0.0)
+    worker = make_worker(local_batch_seconds=0.0)
     worker.serve(job_id)
     assert service.get(job_id).state == "cancelled"
     service.change_stopping(job_id, Stopping(max_evaluations=60))
@@ -144,13 +144,13 @@ def test_a_change_while_a_worker_is_at_it_holds(
 
     def overtaken(self: ClaimRunner) -> Any:
         calls.append(1)
-        hand_in = run(self)
+        submission = run(self)
         if len(calls) == 2:
             service.change_stopping(job_id, Stopping(max_evaluations=then))
-        return hand_in
+        return submission
 
     monkeypatch.setattr(ClaimRunner, "run", overtaken)
-    make_worker(burst_seconds=5.0).serve(job_id)
+    make_worker(local_batch_seconds=5.0).serve(job_id)
     assert len(calls) >= 2
     assert service.get(job_id).state == "finished"
     assert recorded_history(service, job_id) == expected_history(

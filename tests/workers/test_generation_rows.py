@@ -10,7 +10,7 @@ from sqlalchemy import Connection, select
 from geoswarm.solver.problem import Problem
 from geoswarm.workers.coordinator.generation_rows import GenerationRows, load_generation
 from geoswarm.workers.coordinator.hand_out import HandOut
-from geoswarm.workers.coordinator.work import HandIn
+from geoswarm.workers.coordinator.work import Submission
 from geoswarm.workers.queries.jobs import LockedJob
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
@@ -51,7 +51,7 @@ def read(monkeypatch: pytest.MonkeyPatch) -> list[GenerationRows]:
 def test_an_exchange_reads_what_is_handed_in_and_what_is_handed_out(hand: Hand, read: list[GenerationRows]) -> None:
     hand.take()
     for _ in range(20):
-        hand.hand_in()
+        hand.submission()
     assert {rows.size for rows in read} == {PARTICLES}
     assert max(len(rows.cells) for rows in read) == 2
     assert (read[-1].pending, read[-1].undone) == (PARTICLES - 21, PARTICLES - 20)
@@ -64,16 +64,16 @@ def test_the_state_of_the_search_is_read_when_a_generation_ends(hand: Hand, monk
     hand.take()
     asked.clear()
     for _ in range(PARTICLES - 1):
-        hand.hand_in()
+        hand.submission()
     assert asked == []
-    hand.hand_in()
+    hand.submission()
     assert len(asked) == 1
 
 
 @pytest.mark.parametrize("most", [1, 3, 64, 500])
 def test_claims_are_in_order_whatever_was_read_and_given_back(store: Store, hand: Hand, most: int) -> None:
     hand.take()
-    hand.exchange(HandIn(hand.claim), want=False)
+    hand.exchange(Submission(hand.claim), want=False)
     for particle, state in {4: "finished", 5: "failed", 7: "running", 70: "running", 99: "running"}.items():
         statement = evaluations.update().where(evaluations.c.particle == particle).values(state=state, worker="w9")
         store.write(lambda c, statement=statement: c.execute(statement))  # type: ignore[misc]
@@ -102,7 +102,7 @@ def test_late_results_of_unclaimed_runs_leave_no_worker_without_work(
 ) -> None:
     """Their rows are pending in the database until the exchange ends, and may fill what is read further."""
     hand.take()
-    hand.exchange(HandIn(hand.claim), want=False)
+    hand.exchange(Submission(hand.claim), want=False)
 
     def claimed(connection: Connection) -> list[int]:
         rows = load_generation(connection, hand.job_id, 0, particles=range(1, 1 + late), workers=["w1"], most=most)

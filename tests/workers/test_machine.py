@@ -25,8 +25,8 @@ from geoswarm.workers.states.job import (
     PublishEvent,
     RecordGeneration,
     ResumeRequested,
-    RingDoorbell,
     Transition,
+    WakeWorkers,
     apply,
 )
 from tests.workers.problems import course, line
@@ -105,7 +105,7 @@ def test_pause_keeps_the_state_of_the_search() -> None:
     resumed = apply(paused, ResumeRequested())
     assert paused.state == "paused"
     assert resumed.job.progress is START
-    assert any(isinstance(i, RingDoorbell) for i in resumed.instructions)
+    assert any(isinstance(i, WakeWorkers) for i in resumed.instructions)
 
 
 def test_a_job_paused_before_its_start_is_queued_again() -> None:

@@ -166,9 +166,9 @@ def test_workers_do_not_tell_what_they_do_for_others(service: JobService, make_w
     course = worker._course(job.id)
     assert course is not None
     worker.runtime.start(job.id, course.start())
-    from geoswarm.workers.coordinator.work import HandIn
+    from geoswarm.workers.coordinator.work import Submission
 
-    worker.runtime.exchange(job.id, worker.identity.id, course, HandIn(), live_workers=1, want=True)
+    worker.runtime.exchange(job.id, worker.identity.id, course, Submission(), live_workers=1, want=True)
     (own,) = service.on_behalf_of(ALICE).workers()
     (other,) = service.on_behalf_of(BOB).workers()
     assert (own.job, own.generation, own.evaluations, own.state) == (job.id, 0, 1, "busy")

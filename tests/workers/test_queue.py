@@ -102,7 +102,7 @@ def test_a_small_job_beside_many_of_a_neighbour_gets_half_of_a_worker(
     submit(service, ALICE, 30, priority=10, stopping={"max_evaluations": 6000})
     problem = line(stopping={"max_evaluations": 120})
     (small,) = submit(service, BOB, stopping={"max_evaluations": 120})
-    worker = make_worker(slice_seconds=0.02, burst_seconds=0.0, cheap_seconds=0.0, single_seconds=1e-9)
+    worker = make_worker(slice_seconds=0.02, local_batch_seconds=0.0, cheap_seconds=0.0, single_seconds=1e-9)
     worker.start()
     for_bob = for_alice = 0
     while service.get(small).state != "finished":
@@ -158,7 +158,7 @@ def test_a_job_that_somebody_has_locked_is_left_to_others(service: JobService, m
 @ON_POSTGRESQL
 def test_a_turn_is_noted_once(service: JobService, make_worker: MakeWorker) -> None:
     first, second = submit(service, ALICE, 2)
-    worker = make_worker(slice_seconds=0.0, burst_seconds=0.0, cheap_seconds=0.0, single_seconds=1e-9)
+    worker = make_worker(slice_seconds=0.0, local_batch_seconds=0.0, cheap_seconds=0.0, single_seconds=1e-9)
 
     def served_at() -> list[float | None]:
         rows = service.store.read(lambda c: c.execute(jobs.select().order_by(jobs.c.created_at)).all())

@@ -16,13 +16,13 @@ from pathlib import Path
 import httpx
 import pytest
 
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.operations.probe import OneAtATime, Probe
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import live_server
 from tests.integration.engines import wait_for
 from tests.workers.problems import line
@@ -114,7 +114,7 @@ def test_a_locked_file_does_not_make_the_service_unreachable(
         return client.get("/health/ready").status_code
 
     monkeypatch.setattr(Probe, "database", counted)
-    service = JobService(sqlite_store, MuteDoorbell())
+    service = JobService(sqlite_store, NoWaker())
     with live_server(service) as server, httpx.Client(base_url=server.url, timeout=120) as client:
         wait_for(lambda: ready() == 200, "a service that is ready")
         with locked(tmp_path / "jobs.db"), ThreadPoolExecutor(60) as pool:
@@ -135,7 +135,7 @@ def test_a_locked_file_does_not_make_the_service_unreachable(
 def test_a_file_that_was_removed_or_replaced_is_not_used_any_more(
     sqlite_store: Store, sqlite_settings: Settings, tmp_path: Path, what: str
 ) -> None:
-    service = JobService(sqlite_store, MuteDoorbell(), sqlite_settings)
+    service = JobService(sqlite_store, NoWaker(), sqlite_settings)
     kept = service.submit(line())[0].id
     path, aside = tmp_path / "jobs.db", tmp_path / "aside.db"
     path.rename(aside)
@@ -182,20 +182,20 @@ def test_a_damaged_table_is_told(sqlite_store: Store, sqlite_settings: Settings,
         file.seek((page - 1) * size)
         file.write(b"\xff" * size)
     store = Store(sqlite_settings)
-    service = JobService(store, MuteDoorbell())
+    service = JobService(store, NoWaker())
     wait_for(lambda: "can be reached, but not read" in service.health()["database"], "the word of it")
     store.close()
 
 
 def test_a_disk_without_its_reserve_is_told(sqlite_store: Store, sqlite_settings: Settings) -> None:
     settings = sqlite_settings.model_copy(update={"disk_reserve_mb": 1e12})
-    service = JobService(sqlite_store, MuteDoorbell(), settings)
+    service = JobService(sqlite_store, NoWaker(), settings)
     words = re.compile(r"MB left; at least 1000000000000 MB .*GEOSWARM_DISK_RESERVE_MB")
     wait_for(lambda: words.search(service.health()["database"]) is not None, "the reason")
 
 
 def test_only_its_owner_may_read_the_file(sqlite_store: Store, tmp_path: Path) -> None:
-    JobService(sqlite_store, MuteDoorbell()).submit(line())
+    JobService(sqlite_store, NoWaker()).submit(line())
     modes = {path.name: stat.S_IMODE(path.stat().st_mode) for path in tmp_path.glob("jobs.db*")}
     assert modes
     assert set(modes.values()) == {0o600}

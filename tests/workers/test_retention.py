@@ -8,7 +8,6 @@ import pytest
 from sqlalchemy import func, select, text, update
 
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError
 from geoswarm.workers.operations import retention
 from geoswarm.workers.operations.retention import delete_job, prune
@@ -18,6 +17,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import attempts, evaluations, events, generations, jobs
+from geoswarm.workers.waker import NoWaker
 from tests.workers.conftest import MakeWorker
 from tests.workers.problems import line
 
@@ -94,7 +94,7 @@ def test_deleted_data_are_nowhere_in_the_files(tmp_path: Path, how: str) -> None
     """Neither in free pages of the database, nor in its journal."""
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     kept = service.submit(line(name="kept"))[0].id
     job_id = service.submit(line(name=MARK))[0].id
 
@@ -119,11 +119,11 @@ def test_a_journal_that_a_reader_needs_is_emptied_by_a_later_sweep(
     monkeypatch.setattr("geoswarm.workers.store.database.SQLITE_BUSY_SECONDS", 250.0)  # who waits is seen to wait
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     x = [i / 1000 for i in range(20_000)]
     job_id = service.submit(line(name=MARK, observations=[{"series": "y", "points": {"x": x, "y": x}}]))[0].id
     service.cancel(job_id)
-    sweeper = Sweeper(Runtime(store, settings), MuteDoorbell())
+    sweeper = Sweeper(Runtime(store, settings), NoWaker())
     journal = tmp_path / "jobs.db-wal"
     with store.engine.connect() as reader, reader.begin():
         assert reader.scalar(text("SELECT count(*) FROM jobs")) == 1
@@ -145,7 +145,7 @@ def test_a_journal_that_a_reader_needs_is_emptied_by_a_later_sweep(
 def test_pruning_gives_the_space_back(tmp_path: Path) -> None:
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     x = [i / 1000 for i in range(20_000)]
     job_id = service.submit(line(observations=[{"series": "y", "points": {"x": x, "y": x}}]))[0].id
     service.cancel(job_id)

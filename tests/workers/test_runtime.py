@@ -10,7 +10,7 @@ from sqlalchemy import select, update
 
 from geoswarm.solver.runner.evaluator import InlineEvaluator
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.coordinator.work import HandIn
+from geoswarm.workers.coordinator.work import Submission
 from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
@@ -48,7 +48,7 @@ def test_expensive_or_unknown_runs_go_one_by_one_and_cheap_ones_in_chunks(
     sizes = []
     while hand.claim is not None:
         sizes.append(len(hand.claim.particles))
-        hand.hand_in()
+        hand.submission()
     assert sizes[:3] == [1, 3, 2]  # the first run tells what one costs
     assert set(sizes[3:]) == {3}
     assert recorded_history(service, job_id) == EXPECTED
@@ -88,7 +88,7 @@ def test_a_result_that_arrives_before_its_second_try_counts(
     for _ in range(2):  # the answer to the first was lost
         first.exchange(once, want=False)
         assert listed(service, job_id) == [(2, "w2", "superseded", False), (1, "w1", "finished", True)]
-    second.hand_in()
+    second.submission()
     assert listed(service, job_id) == [(2, "w2", "late", False), (1, "w1", "finished", True)]
     finish(second)
     assert recorded_history(service, job_id) == EXPECTED
@@ -114,9 +114,9 @@ def test_an_exchange_whose_answer_was_lost_can_be_repeated(
 ) -> None:
     hand = Hand(runtime_for(store, settings), job_id, "w1")
     hand.take()
-    hand_in = hand.results()
-    first = hand.exchange(hand_in)
-    again = hand.exchange(hand_in)
+    submission = hand.results()
+    first = hand.exchange(submission)
+    again = hand.exchange(submission)
     assert first.claim is not None
     assert again.claim is not None
     assert (again.claim.particles, again.claim.attempts) == (first.claim.particles, first.claim.attempts)
@@ -135,7 +135,7 @@ def test_what_was_not_begun_is_given_back_untouched(
     hand.take()
     assert hand.claim is not None
     assert hand.claim.particles == (0, 1, 2)
-    hand.hand_in(1, want=False)
+    hand.submission(1, want=False)
     states = [(e.state, e.attempts) for e in service.evaluations(job_id).items]
     assert states == [("finished", 1)] + [("pending", 0)] * 5
 
@@ -182,9 +182,9 @@ def test_pause_keeps_results_and_resume_goes_on_with_the_same_bits(
     hand = Hand(runtime_for(store, settings), job_id, "w1")
     hand.take()
     for _ in range(8):
-        hand.hand_in()
+        hand.submission()
     assert service.pause(job_id).state == "paused"
-    assert hand.hand_in().claim is None  # kept, but nothing new is handed out
+    assert hand.submission().claim is None  # kept, but nothing new is handed out
     done = len(service.evaluations(job_id, state="finished", limit=1000).items)
     assert hand.take().claim is None
     assert service.resume(job_id).state == "running"
@@ -214,7 +214,7 @@ def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
     whole = ClaimRunner(
         hand.claim, InlineEvaluator(), textbook, patient, worker.heartbeat, lambda *_: (True, None)
     ).run()
-    assert len(whole.whole_generations) == 10
+    assert len(whole.local_batches) == 10
     service.pause(job_id)
     assert hand.exchange(whole).claim is None
     view = service.get(job_id)
@@ -223,7 +223,7 @@ def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
     service.resume(job_id)
     other = Hand(runtime_for(store, settings), job_id, "w2", textbook)
     other.take()
-    other.hand_in()
+    other.submission()
     hand.exchange(whole)  # far too late
     finish(other)
     assert recorded_history(service, job_id) == expected
@@ -248,7 +248,7 @@ def test_the_claim_ahead_leaves_out_what_is_under_way(
     assert other.claim.particles == (2, 3, 4)
     states = [e.state for e in service.evaluations(job_id).items]
     assert states == ["running", "finished", "running", "running", "running", "pending"]
-    assert other.hand_in(1, want=False).left
+    assert other.submission(1, want=False).left
     states = [e.state for e in service.evaluations(job_id).items]
     assert states == ["running", "finished", "finished", "pending", "pending", "pending"]
 
@@ -264,7 +264,7 @@ def test_nothing_ahead_when_others_have_ended_the_generation(
     while service.get(job_id).generations == 0:
         if quick.claim is None:
             quick.take()
-        quick.hand_in()
+        quick.submission()
     slow.claim = held
     assert slow.reach_ahead(0) is None
     assert slow.claim is held
@@ -276,7 +276,7 @@ def test_cancel_in_mid_generation_stops_dispatch(
     hand = Hand(runtime_for(store, settings), job_id, "w1")
     hand.take()
     service.cancel(job_id)
-    assert hand.hand_in().claim is None
+    assert hand.submission().claim is None
     states = [e.state for e in service.evaluations(job_id).items]
     assert states == ["finished"] + ["pending"] * 5
 
@@ -293,7 +293,7 @@ def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Sett
     service.resume(job_id)
     pass_time(store, 86400.0)
     for _ in range(6):
-        hand.hand_in()
+        hand.submission()
         if hand.claim is None:
             hand.take()
     seconds = service.get(job_id).seconds
@@ -302,7 +302,7 @@ def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Sett
     assert service.get(job_id).state == "running"
     store.write(lambda c: c.execute(update(jobs).values(run_seconds=10_000.0)))
     while hand.claim is not None:
-        hand.hand_in()
+        hand.submission()
     assert service.get(job_id).stop_reasons == ["max_seconds"]
 
 
@@ -312,7 +312,7 @@ def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Sett
 @given(
     actions=st.lists(
         st.tuples(
-            st.sampled_from(["take", "hand_in", "part", "ahead", "twice", "die", "expire", "pause", "resume"]),
+            st.sampled_from(["take", "submission", "part", "ahead", "twice", "die", "expire", "pause", "resume"]),
             st.integers(0, 2),
         ),
         max_size=60,
@@ -324,14 +324,14 @@ def test_any_order_of_workers_losses_and_pauses_gives_the_same_history(
     job_id = service.submit(PATIENT)[0].id
     runtime = runtime_for(store, settings)
     hands = [Hand(runtime, job_id, f"w{i}") for i in range(3)]
-    parked: list[tuple[Hand, HandIn]] = []
+    parked: list[tuple[Hand, Submission]] = []
     for action, i in actions:
         hand = hands[i]
         state = service.get(job_id).state
         if action == "take" and hand.claim is None:
             hand.take()
-        elif action in ("hand_in", "part") and hand.claim is not None:
-            hand.hand_in(1 if action == "part" else None)
+        elif action in ("submission", "part") and hand.claim is not None:
+            hand.submission(1 if action == "part" else None)
         elif action == "ahead" and hand.claim is not None:
             hand.reach_ahead(len(hand.claim.particles) - 1)
         elif action == "twice" and hand.claim is not None:

@@ -22,11 +22,11 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import attempts, evaluations, events, generations
 from tests.integration.engines import wait_for
 from tests.servers import PostgresServer
-from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingDoorbell
+from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingWaker
 from tests.workers.problems import expected_history, line, recorded_history
 
 
-def test_a_submitted_job_is_queued_and_rung_for(service: JobService, doorbell: RecordingDoorbell) -> None:
+def test_a_submitted_job_is_queued_and_rung_for(service: JobService, waker: RecordingWaker) -> None:
     before = datetime.now(UTC)
     view, new = service.submit(line())
     assert new
@@ -35,7 +35,7 @@ def test_a_submitted_job_is_queued_and_rung_for(service: JobService, doorbell: R
     assert view.started_at is view.finished_at is view.seconds is view.objective is view.parameters is None
     second = timedelta(seconds=1)  # the clock of a database counts milliseconds
     assert before - second < view.created_at < datetime.now(UTC) + second
-    assert doorbell.rings == [view.id]
+    assert waker.rings == [view.id]
     assert service.get(view.id) == view
     assert service.problem(view.id) == line().document()
     assert service.best(view.id) is None
@@ -48,12 +48,12 @@ def test_a_job_without_a_seed_gets_one_and_says_which(service: JobService) -> No
     assert len(seeds) == 3
 
 
-def test_the_same_key_gives_the_same_job(service: JobService, doorbell: RecordingDoorbell) -> None:
+def test_the_same_key_gives_the_same_job(service: JobService, waker: RecordingWaker) -> None:
     first, new = service.submit(line(), idempotency_key="k")
     again, new_again = service.submit(line(), idempotency_key="k")
     assert (new, new_again) == (True, False)
     assert again == first
-    assert len(doorbell.rings) == 1
+    assert len(waker.rings) == 1
     with pytest.raises(IdempotencyConflictError, match=f"'k' was used for job {first.id}"):
         service.submit(line(name="other"), idempotency_key="k")
     assert len(service.list().items) == 1
@@ -96,7 +96,7 @@ def test_foreign_cursors_are_refused(service: JobService, cursor: str) -> None:
 def test_a_finished_job_shows_everything(service: JobService, make_worker: MakeWorker) -> None:
     problem = line()
     job_id = service.submit(problem)[0].id
-    make_worker(burst_seconds=0).serve(job_id)
+    make_worker(local_batch_seconds=0).serve(job_id)
     view = service.get(job_id)
     assert (view.state, view.stop_reasons, view.error) == ("finished", ["max_evaluations"], None)
     assert (view.evaluations, view.generations, view.failed_evaluations) == (120, 20, 0)
@@ -232,11 +232,11 @@ def test_workers_and_health(service: JobService, make_worker: MakeWorker) -> Non
     wait_for(lambda: service.health() == {"database": "ok", "broker": "embedded"}, "the word that all is well")
 
 
-def test_health_of_a_dead_database_says_why(postgres_server: PostgresServer, doorbell: RecordingDoorbell) -> None:
+def test_health_of_a_dead_database_says_why(postgres_server: PostgresServer, waker: RecordingWaker) -> None:
     postgres_server.start()
     url = postgres_server.create_database()
     store = Store(Settings(database_url=url))
-    service = JobService(store, doorbell)
+    service = JobService(store, waker)
     wait_for(lambda: service.health()["database"] == "ok", "a database that is ready")
     postgres_server.stop()
     try:

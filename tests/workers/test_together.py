@@ -11,7 +11,7 @@ import pytest
 
 from geoswarm.solver.course import Course
 from geoswarm.workers.coordinator.together import Together
-from geoswarm.workers.coordinator.work import Asked, Exchange, HandIn
+from geoswarm.workers.coordinator.work import Asked, Exchange, Submission
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
@@ -23,8 +23,8 @@ from tests.workers.problems import course, expected_history, line, recorded_hist
 WIDE = line(method={"kind": "particle_swarm", "particles": 24}, stopping={"max_evaluations": 24 * 3})
 
 
-def asked(name: str, hand_in: HandIn | None = None) -> Asked:
-    return Asked(name, HandIn() if hand_in is None else hand_in, live_workers=8, want=True)
+def asked(name: str, submission: Submission | None = None) -> Asked:
+    return Asked(name, Submission() if submission is None else submission, live_workers=8, want=True)
 
 
 class Slow:
@@ -118,7 +118,7 @@ def test_the_history_is_the_same_however_many_come_at_once(
                 time.sleep(0.05)
                 hand.take()
             else:
-                hand.hand_in()
+                hand.submission()
 
     running = [threading.Thread(target=work, args=(f"w{number}",)) for number in range(threads)]
     for thread in running:

@@ -13,7 +13,7 @@ import psycopg
 import pytest
 from sqlalchemy import event
 
-from geoswarm.workers.coordinator.work import Exchange, HandIn
+from geoswarm.workers.coordinator.work import Exchange, Submission
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.execution.worker import Worker
@@ -23,7 +23,7 @@ from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.integration.engines import wait_for
-from tests.workers.conftest import RecordingDoorbell
+from tests.workers.conftest import RecordingWaker
 from tests.workers.problems import expected_history, line, recorded_history
 
 
@@ -70,7 +70,7 @@ def switch(request: pytest.FixtureRequest, store: Store) -> Iterator[Switch]:
 @contextmanager
 def working(store: Store, settings: Settings) -> Iterator[Worker]:
     """A worker in a thread, as in its own process."""
-    worker = Worker(store, RecordingDoorbell(), settings, Identity.new("embedded"))
+    worker = Worker(store, RecordingWaker(), settings, Identity.new("embedded"))
     worker.start()
 
     def work() -> None:
@@ -136,7 +136,7 @@ def test_nothing_is_lost_and_work_goes_on_by_itself(
     claims: list[int] = []
     refused: list[int] = []
 
-    def unwritable_from_the_25th(self: ClaimRunner) -> HandIn:
+    def unwritable_from_the_25th(self: ClaimRunner) -> Submission:
         claims.append(1)
         if len(claims) == 25:
             switch.turn(True)
@@ -150,7 +150,7 @@ def test_nothing_is_lost_and_work_goes_on_by_itself(
 
     monkeypatch.setattr(ClaimRunner, "run", unwritable_from_the_25th)
     with working(
-        store, settings.model_copy(update={"burst_seconds": 0.0, "cheap_seconds": 0.0, "single_seconds": 0.0})
+        store, settings.model_copy(update={"local_batch_seconds": 0.0, "cheap_seconds": 0.0, "single_seconds": 0.0})
     ) as worker:
         exchange = worker.runtime.exchange
 
@@ -178,7 +178,7 @@ def test_a_worker_does_not_ask_an_unwritable_database_without_a_pause(
     if switch.kind == "full":
         switch.kind = "read-only"
     job_id = service.submit(line())[0].id
-    worker = Worker(store, RecordingDoorbell(), settings, Identity.new("embedded"))
+    worker = Worker(store, RecordingWaker(), settings, Identity.new("embedded"))
     switch.turn(True)
     began = time.monotonic()
     worker.serve(job_id)

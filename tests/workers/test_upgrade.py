@@ -17,7 +17,6 @@ from sqlalchemy import create_engine, text
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.access.principal import Principal
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity
@@ -27,6 +26,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.migrate import HEAD
 from geoswarm.workers.store.tables import metadata
+from geoswarm.workers.waker import NoWaker
 
 SCHEMAS = Path(__file__).parent / "schemas"
 VERSIONS = Path(__file__).parents[2] / "workers" / "store" / "migrations" / "versions"
@@ -88,7 +88,7 @@ def test_an_old_database_comes_up_to_date(old_store: Callable[[], Store]) -> Non
 
 def test_what_was_there_stays_and_belongs_to_administrators(old_store: Callable[[], Store], settings: Settings) -> None:
     store = old_store()
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     found = {job.name: job for job in service.list().items}
     assert {name: job.state for name, job in found.items()} == {
         "line": "finished",
@@ -118,10 +118,10 @@ def check_that_it_goes_on(store: Store, settings: Settings) -> None:
     """The job in mid-generation comes to the end that it would have had."""
     with store.engine.connect() as connection:
         assert connection.scalar(text("SELECT version_num FROM alembic_version")) == HEAD
-    service = JobService(store, MuteDoorbell(), settings)
-    worker = Worker(store, MuteDoorbell(), settings, Identity.new("embedded"))
+    service = JobService(store, NoWaker(), settings)
+    worker = Worker(store, NoWaker(), settings, Identity.new("embedded"))
     worker.start()
-    Sweeper(worker.runtime, MuteDoorbell()).sweep()  # its former worker is gone
+    Sweeper(worker.runtime, NoWaker()).sweep()  # its former worker is gone
     half = next(job for job in service.list().items if job.name == "half")
     while service.get(half.id).state == "running":
         worker.serve(half.id)

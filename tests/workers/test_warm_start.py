@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sqlalchemy import select, update
 
-from geoswarm.solver.calibration import Offer
+from geoswarm.solver.calibration import WarmStartRuns
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
@@ -60,7 +60,7 @@ def test_a_job_learns_from_an_earlier_one_as_a_run_in_process_does(
         [r.evaluation.responses for r in earlier],
     )
     offer = offer_of(problem, runs)
-    assert isinstance(offer, Offer)
+    assert isinstance(offer, WarmStartRuns)
     expected = calibrate(problem, offer=best_of(problem, [offer]))
     assert history(service, warm) == [
         (r.evaluation.parameters.tolist(), r.evaluation.objective) for r in expected.history

@@ -15,7 +15,7 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.progress.state import Step
 from geoswarm.solver.runner.fork_server_link import ForkServerLink
-from geoswarm.workers.coordinator.work import HandIn
+from geoswarm.workers.coordinator.work import Submission
 from geoswarm.workers.execution.worker import _Turn
 from geoswarm.workers.queries.workers import begin_build
 from geoswarm.workers.service.job_service import JobService
@@ -24,7 +24,7 @@ from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_json
 from geoswarm.workers.store.tables import builds, evaluations, jobs
 from tests.integration.engines import wait_for
-from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingDoorbell
+from tests.workers.conftest import ON_SQLITE, MakeWorker, RecordingWaker
 from tests.workers.hand import pass_time
 from tests.workers.problems import course, expected_history, line, recorded_history
 
@@ -34,9 +34,9 @@ def test_a_burst_and_single_steps_give_the_same_history(service: JobService, mak
     expected = expected_history(problem)
     for changes in (
         {},
-        {"burst_seconds": 0.0},
-        {"burst_seconds": 0.0, "cheap_seconds": 0.0},
-        {"burst_seconds": 0.0, "cheap_seconds": 0.0, "single_seconds": 0.0},
+        {"local_batch_seconds": 0.0},
+        {"local_batch_seconds": 0.0, "cheap_seconds": 0.0},
+        {"local_batch_seconds": 0.0, "cheap_seconds": 0.0, "single_seconds": 0.0},
         {"chunk_seconds": 1e-4},
     ):
         job_id = service.submit(problem)[0].id
@@ -58,15 +58,15 @@ class Ticks:
 
 
 def test_a_time_slice_ends_and_the_job_rings_for_itself(
-    service: JobService, make_worker: MakeWorker, doorbell: RecordingDoorbell, monkeypatch: pytest.MonkeyPatch
+    service: JobService, make_worker: MakeWorker, waker: RecordingWaker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("geoswarm.workers.execution.worker.time", Ticks())
     long_job = service.submit(line(stopping={"max_evaluations": 6000}))[0].id
     short_job = service.submit(line())[0].id
-    doorbell.rings.clear()
-    worker = make_worker(slice_seconds=30.0, burst_seconds=0.0)
+    waker.rings.clear()
+    worker = make_worker(slice_seconds=30.0, local_batch_seconds=0.0)
     worker.serve(long_job)
-    assert doorbell.rings[-1] == long_job
+    assert waker.rings[-1] == long_job
     assert service.get(long_job).state == "running"
     assert worker.next_job() == short_job  # the one that has waited longest
     worker.serve(short_job)
@@ -188,7 +188,7 @@ def test_while_heartbeats_are_late_a_worker_takes_one_claim_at_a_time(
     service: JobService, make_worker: MakeWorker
 ) -> None:
     job_id = service.submit(line(stopping={"max_evaluations": 12}))[0].id
-    worker = make_worker(single_seconds=0.0, cheap_seconds=0.0, burst_seconds=0.0, lease_seconds=0.4)
+    worker = make_worker(single_seconds=0.0, cheap_seconds=0.0, local_batch_seconds=0.0, lease_seconds=0.4)
     worker.heartbeat.late = True
     for number in range(1, 13):
         began = time.monotonic()
@@ -213,9 +213,9 @@ def test_a_bug_in_the_search_fails_the_job_not_the_worker(
 
 
 @ON_SQLITE
-def test_an_unknown_job_is_no_trouble(make_worker: MakeWorker, doorbell: RecordingDoorbell) -> None:
+def test_an_unknown_job_is_no_trouble(make_worker: MakeWorker, waker: RecordingWaker) -> None:
     make_worker().serve("0123456789abcdef")
-    assert doorbell.rings == []
+    assert waker.rings == []
 
 
 def test_the_heartbeat_renews_the_lease_of_a_long_run(
@@ -257,10 +257,10 @@ def test_a_worker_that_stays_with_a_job_lets_the_others_move_up(
     made = course(line())
     worker.runtime.start(job_id, made.start())
     turn = _Turn(worker, job_id)
-    held = worker._ask(job_id, made, HandIn(), turn).claim
+    held = worker._ask(job_id, made, Submission(), turn).claim
     assert held is not None
     store.write(lambda c: c.execute(update(jobs).values(served_at=1.0)))
-    going_on = HandIn(held, (), held.generation, (), partial=True)
+    going_on = Submission(held, (), held.generation, (), partial=True)
     assert worker._early(job_id, made, turn, going_on, True)[0]
     assert served_at(store) == 1.0  # its turn has not ended
     turn.until = 0.0

@@ -8,7 +8,7 @@ from typing import Any
 from sqlalchemy import Connection, case, func, select, text
 
 from geoswarm.records.states import ENDED_STATES
-from geoswarm.solver.calibration import Offer
+from geoswarm.solver.calibration import WarmStartRuns
 from geoswarm.solver.problem import Problem
 from geoswarm.workers.errors import QuotaExceededError
 from geoswarm.workers.settings import Settings
@@ -25,7 +25,7 @@ EVALUATION_BYTES = 600
 SQLite, 440 to 790 in PostgreSQL."""
 
 
-def sizes(problem: Problem, documents: Mapping[str, str], offer: Offer | None) -> dict[str, int]:
+def sizes(problem: Problem, documents: Mapping[str, str], offer: WarmStartRuns | None) -> dict[str, int]:
     """Return what a job will take of the disk, about: ``document_bytes`` at once, ``evaluation_bytes`` for each run.
 
     Parameters

@@ -23,10 +23,9 @@ from geoswarm.workers.agents.prepared import Prepared, PreparedJobs
 from geoswarm.workers.agents.side import SECONDS_TO_SPARE, Side, slot_name
 from geoswarm.workers.agents.work import Announcement, BroughtRun, Grant, Terms, Wanted, evaluation_of
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn, Result
-from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.coordinator.work import Claim, Exchange, Result, Submission
 from geoswarm.workers.errors import LeaseOverError, QuotaExceededError, UnknownAgentError
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.queries import agents as rows
 from geoswarm.workers.queries.evaluations import renew_leases, still_wanted
 from geoswarm.workers.queries.queue import most_urgent_job, open_needs
@@ -35,6 +34,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
 from geoswarm.workers.store.database import Record
+from geoswarm.workers.waker import Waker
 
 __all__ = ["AgentDesk", "OpenWork", "accepts"]
 
@@ -62,12 +62,12 @@ class AgentDesk:
     :class:`geoswarm.workers.errors.StoreUnavailableError`.
     """
 
-    def __init__(self, store: Store, doorbell: Doorbell, settings: Settings) -> None:
+    def __init__(self, store: Store, waker: Waker, settings: Settings) -> None:
         self.store = store
         self.settings = settings
         self.on_work: Callable[[str, int], None] = lambda _job_id, _number: None
         """Is told of work for so many others, in the thread that made it."""
-        self._doorbell = doorbell
+        self._waker = waker
         self._runtime = Runtime(store, settings)
         self._jobs = PreparedJobs(store, settings)
         self._seen: dict[str, float] = {}
@@ -173,7 +173,7 @@ class AgentDesk:
                 return None
             self._refuse_too_many(key_id)
             side = Side(self.settings, key_id, agent, wanted, prepared)
-            answer = self._exchange(prepared, side, HandIn(), want=True, taken_up=True)
+            answer = self._exchange(prepared, side, Submission(), want=True, taken_up=True)
             grant = side.grant()
             if grant is not None:
                 self._tell(prepared, answer, grant)
@@ -207,7 +207,7 @@ class AgentDesk:
         if why:
             raise LeaseOverError(lease_id, why)
 
-    def hand_in(
+    def submission(
         self, key_id: str, lease_id: str, runs: Sequence[BroughtRun], killed: int | None, wanted: Wanted | None
     ) -> tuple[bool, Grant | None]:
         """Accept the results of a lease, which ends it; return whether it was still valid, and the next lease.
@@ -245,11 +245,11 @@ class AgentDesk:
                 accepts(unpack_json(agent.offers), [(_words(prepared), side.typical or 0.0)], wanted.seconds)
             )
         answer = self._exchange(
-            prepared, side, HandIn(claim, (), claim.generation, results, killed), want=goes_on, taken_up=False
+            prepared, side, Submission(claim, (), claim.generation, results, killed), want=goes_on, taken_up=False
         )
         if side.admitted:
             for result in results:
-                tally.run(result.evaluation.reason or "finished", result.evaluation.seconds)
+                process_counters.run(result.evaluation.reason or "finished", result.evaluation.seconds)
                 _log(prepared, lease, result)
         grant = side.grant()
         self._tell(prepared, answer, grant)
@@ -259,7 +259,9 @@ class AgentDesk:
             grant = self.lease(key_id, wanted)
         return side.admitted, grant
 
-    def _exchange(self, prepared: Prepared, side: Side, hand_in: HandIn, *, want: bool, taken_up: bool) -> Exchange:
+    def _exchange(
+        self, prepared: Prepared, side: Side, submission: Submission, *, want: bool, taken_up: bool
+    ) -> Exchange:
         """Exchange with the coordinator; a job that was not begun is begun."""
         with prepared.turn:
             for _ in range(2):
@@ -267,7 +269,7 @@ class AgentDesk:
                     prepared.id,
                     side.worker,
                     prepared.course,
-                    hand_in,
+                    submission,
                     live_workers=self._live_workers(),
                     want=want,
                     taken_up=taken_up,
@@ -286,7 +288,7 @@ class AgentDesk:
         """Wake others where there is work for them."""
         number = answer.rings or int(answer.left and grant is None)
         if number:
-            self._doorbell.ring(prepared.id, number, kind=prepared.course.problem.forward_model.kind)
+            self._waker.ring(prepared.id, number, kind=prepared.course.problem.forward_model.kind)
         if answer.left or answer.rings:
             self.on_work(prepared.id, max(answer.rings, 2))
 

@@ -12,7 +12,7 @@ from sqlalchemy import Connection
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.agents.prepared import Prepared
 from geoswarm.workers.agents.work import Grant, Run, Wanted
-from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
+from geoswarm.workers.coordinator.work import Claim, Exchange, Submission
 from geoswarm.workers.queries import agents as rows
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.codec import pack_json, unpack_json
@@ -71,9 +71,9 @@ class Side:
             most = min(most, math.ceil(left / typical))
         return max(most, 1)
 
-    def admits(self, connection: Connection, hand_in: HandIn) -> bool:
+    def admits(self, connection: Connection, submission: Submission) -> bool:
         """Whether the lease was still valid; it ends now."""
-        if hand_in.claim is None or self._lease is None:
+        if submission.claim is None or self._lease is None:
             return True
         self.admitted = rows.end_lease(connection, self._lease.id)
         return self.admitted

@@ -20,7 +20,7 @@ from geoswarm.workers.coordinator.hand_out import HandOut
 from geoswarm.workers.coordinator.retry import finish_retry, open_retries
 from geoswarm.workers.coordinator.tries import give_back, record_result
 from geoswarm.workers.coordinator.width import free_slots
-from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, HandIn, Result, Sizing
+from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, Result, Sizing, Submission
 from geoswarm.workers.queries.evaluations import list_results
 from geoswarm.workers.queries.jobs import LockedJob, save_job
 from geoswarm.workers.queries.queue import note_served
@@ -79,7 +79,7 @@ class JobExchange:
     ) -> None:
         self.settings = settings
         self.sizing = Sizing(
-            settings.cheap_seconds, settings.burst_seconds, settings.single_seconds, settings.chunk_seconds
+            settings.cheap_seconds, settings.local_batch_seconds, settings.single_seconds, settings.chunk_seconds
         )
         self.log = log
         self.connection = connection
@@ -103,7 +103,7 @@ class JobExchange:
         """Whether exchanges must come one by one: the job's failures are being rerun, or whole generations are handed
         in."""
         again = self.locked.row.retry_to is not None
-        return len(asked) > 1 and (again or any(one.hand_in.whole_generations for one in asked))
+        return len(asked) > 1 and (again or any(one.submission.local_batches for one in asked))
 
     def run(self, asked: Sequence[Asked], closed: Closed | None = None) -> list[Exchange]:
         """Run the exchange for workers in this order; see
@@ -120,16 +120,16 @@ class JobExchange:
         rows: GenerationRows | None = None
         if generation >= 0 and (
             self.state == "running"
-            or any(one.hand_in.generation == generation or one.hand_in.whole_generations for one in asked)
+            or any(one.submission.generation == generation or one.submission.local_batches for one in asked)
         ):
             rows = self._load(generation, asked)
         dispatched = False
-        if asked[0].hand_in.whole_generations:
+        if asked[0].submission.local_batches:
             rows, dispatched = self._take_whole(rows, asked[0])
         else:
             for one in asked:
-                if one.hand_in.claim is not None:
-                    self._take_in(rows, one, one.hand_in.generation, one.hand_in.results)
+                if one.submission.claim is not None:
+                    self._take_in(rows, one, one.submission.generation, one.submission.results)
         if self.fatal is not None and self.state == "running" and self.job is not None:
             self._save([apply(self.job, JobBroken(self.fatal))], [])
         while self.state == "running" and rows is not None and rows.complete:
@@ -145,12 +145,12 @@ class JobExchange:
 
     def _retry(self, asked: Asked) -> Exchange:
         """Do the same for a job whose failures are run again: whatever generation they are of, none is advanced."""
-        hand_in = asked.hand_in
-        if hand_in.claim is not None:
+        submission = asked.submission
+        if submission.claim is not None:
             number, results = (
-                (hand_in.whole_generations[0].generation, hand_in.whole_generations[0].results)
-                if hand_in.whole_generations
-                else (hand_in.generation, hand_in.results)
+                (submission.local_batches[0].generation, submission.local_batches[0].results)
+                if submission.local_batches
+                else (submission.generation, submission.results)
             )
             self._take_in(None, asked, number, results)
         if self.state != "running":
@@ -161,61 +161,61 @@ class JobExchange:
                 finish_retry(self.connection, self.locked, self.course.problem, gap=self.settings.lease_seconds)
                 return Exchange(left=self.locked.row.retry_to == "running")
             return Exchange()
-        rows = self._load(generation, [replace(asked, hand_in=HandIn())])
-        want = asked.want and not hand_in.partial
-        return self._hand_out(rows, [replace(asked, hand_in=HandIn(), want=want)], False)[0]
+        rows = self._load(generation, [replace(asked, submission=Submission())])
+        want = asked.want and not submission.partial
+        return self._hand_out(rows, [replace(asked, submission=Submission(), want=want)], False)[0]
 
     def _take_whole(self, rows: GenerationRows | None, asked: Asked) -> tuple[GenerationRows | None, bool]:
         """Apply generations that the worker ran alone, if the job still stands where it did when they began."""
-        hand_in, worker = asked.hand_in, asked.worker
-        whole_generations = hand_in.whole_generations
+        submission, worker = asked.submission, asked.worker
+        local_batches = submission.local_batches
         valid = (
             rows is not None
             and self.state == "running"
-            and rows.generation == whole_generations[0].generation
-            and hand_in.claim is not None
-            and hand_in.claim.stopping == self.locked.row.stopping
+            and rows.generation == local_batches[0].generation
+            and submission.claim is not None
+            and submission.claim.stopping == self.locked.row.stopping
             and rows.undone == rows.size == len(rows.held_by(worker))
         )
         if not valid or rows is None:
             # Paused, cancelled, taken over by others, or to be ended otherwise: the first generation is as good as any
             # worker's result of it, the following ones will come out the same again.
-            self._take_in(rows, asked, whole_generations[0].generation, whole_generations[0].results)
+            self._take_in(rows, asked, local_batches[0].generation, local_batches[0].results)
             return rows, False
-        self._record(rows, worker, whole_generations[0].results)
+        self._record(rows, worker, local_batches[0].results)
         rows.write(self.connection)
         following = []
-        for before, whole_generation in itertools.pairwise(whole_generations):
+        for before, whole_generation in itertools.pairwise(local_batches):
             following.append(_dispatched(self.locked.id, before.transition))
             self._record(following[-1], worker, whole_generation.results)
         write_new(self.connection, following)
-        transitions = [whole_generation.transition for whole_generation in whole_generations]
+        transitions = [whole_generation.transition for whole_generation in local_batches]
         final = transitions[-1]
         next_rows = None
         if final.job.state == "running":
             next_rows = _dispatched(self.locked.id, final)
-            self._record(next_rows, worker, hand_in.results)
+            self._record(next_rows, worker, submission.results)
             if self.fatal is not None:
                 transitions.append(apply(final.job, JobBroken(self.fatal)))
-        last = [r.evaluation for r in whole_generations[-1].results]
+        last = [r.evaluation for r in local_batches[-1].results]
         self.typical = _typical([(e.seconds, e.reason) for e in last], self.typical)
-        self._save(transitions, [whole_generation.finished_at for whole_generation in whole_generations])
+        self._save(transitions, [whole_generation.finished_at for whole_generation in local_batches])
         return next_rows, next_rows is not None
 
     def _take_in(self, rows: GenerationRows | None, asked: Asked, generation: int, results: Sequence[Result]) -> None:
         """Record results, and give back what was claimed with them but not finished."""
-        hand_in, claim = asked.hand_in, asked.hand_in.claim
+        submission, claim = asked.submission, asked.submission.claim
         if claim is None:
             return
         late = rows is None or rows.generation != generation
         own = self._load(generation, [asked]) if late or rows is None else rows
         if own.size == 0:
-            return  # of a generation that was begun in a burst which does not count
+            return  # of a generation that was begun in a local batch which does not count
         self._record(own, asked.worker, results)
         handed_in = {result.particle for result in results}
         for particle, attempt in zip(claim.particles, claim.attempts, strict=True):
-            if not hand_in.partial and particle not in handed_in and generation == claim.generation:
-                killed = particle == hand_in.killed
+            if not submission.partial and particle not in handed_in and generation == claim.generation:
+                killed = particle == submission.killed
                 give_back(own, own.cell(particle), asked.worker, attempt, self.locked.now, killed=killed)
         if late:
             own.write(self.connection)
@@ -268,7 +268,7 @@ class JobExchange:
 
     def _load(self, generation: int, asked: Sequence[Asked]) -> GenerationRows:
         """Read of a generation what these workers bring and hold, and what they may get."""
-        brought = [particle for one in asked for particle in one.hand_in.particles()]
+        brought = [particle for one in asked for particle in one.submission.particles()]
         singly = self.typical is None or self.typical > self.sizing.single_seconds
         return load_generation(
             self.connection,
@@ -334,9 +334,9 @@ class JobExchange:
     def _answer(self, hand_outs: Sequence[HandOut], asked: Asked, dispatched: bool) -> Exchange:
         """Claim for one worker; of the generation that was begun ahead where nothing else is left."""
         worker, live_workers = asked.worker, asked.live_workers
-        hand_out, under_way = hand_outs[0], asked.hand_in.under_way()
+        hand_out, under_way = hand_outs[0], asked.submission.under_way()
         # Else another worker ended the generation, or it is one asked ahead: it goes on with that first.
-        want = asked.want and not (asked.hand_in.partial and hand_out.rows.generation != asked.hand_in.generation)
+        want = asked.want and not (asked.submission.partial and hand_out.rows.generation != asked.submission.generation)
         if not hand_out.left and not under_way:
             hand_out = next((further for further in hand_outs[1:] if further.left), hand_out)
         chunk = self.sizing.chunk(self.typical, hand_out.rows.size, hand_out.left, live_workers)
@@ -371,7 +371,7 @@ class JobExchange:
         whole = (
             self.locked.row.retry_to is None
             and len(cells) == rows.size
-            and self.sizing.burst(self.typical, len(cells))
+            and self.sizing.local_batch(self.typical, len(cells))
             and not self._learns()
         )
         return Claim(

@@ -31,7 +31,7 @@ from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange
 from geoswarm.workers.coordinator.retry import begin_retry, finish_retry
 from geoswarm.workers.coordinator.together import Together
 from geoswarm.workers.coordinator.tries import expire_cell, give_back
-from geoswarm.workers.coordinator.work import AgentSide, Asked, Claim, Exchange, HandIn
+from geoswarm.workers.coordinator.work import AgentSide, Asked, Claim, Exchange, Submission
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.queries.evaluations import (
     count_failed,
@@ -55,7 +55,7 @@ from geoswarm.workers.states.job import (
 )
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import pack_json, unpack_problem
-from geoswarm.workers.store.event_bell import insert_events
+from geoswarm.workers.store.event_listener import insert_events
 
 __all__ = ["Runtime"]
 
@@ -170,7 +170,7 @@ class Runtime:
         job_id: str,
         worker: str,
         course: Course,
-        hand_in: HandIn,
+        submission: Submission,
         *,
         live_workers: int,
         want: bool,
@@ -195,7 +195,7 @@ class Runtime:
         :mod:`geoswarm.workers.coordinator.together`.
         """
         want = want and self.shortage() is None
-        return self._together.ask(job_id, course, Asked(worker, hand_in, live_workers, want, taken_up, noted, agent))
+        return self._together.ask(job_id, course, Asked(worker, submission, live_workers, want, taken_up, noted, agent))
 
     def _exchange(self, job_id: str, course: Course, asked: Sequence[Asked]) -> list[Exchange]:
         """Exchange for several workers in one transaction, or one by one where that cannot be."""
@@ -224,7 +224,7 @@ class Runtime:
         answers, due = self.store.write(lambda connection: work(connection, brought, None))
         while answers is not None and due is not None:
             closed = self._close(job_id, course, due)
-            still = {number: replace(brought[number], hand_in=HandIn()) for number in answers}
+            still = {number: replace(brought[number], submission=Submission()) for number in answers}
             answers, due = self.store.write(partial(work, what=still, closed=closed))
         if answers is None:
             return [answer for one in asked for answer in self._exchange(job_id, course, [one])]
@@ -369,7 +369,7 @@ def _conclusion(course: Course, transition: Transition, runs: Runs | None) -> di
 
 
 def _admitted(connection: Connection, asked: Asked) -> bool:
-    return asked.agent is None or asked.agent.admits(connection, asked.hand_in)
+    return asked.agent is None or asked.agent.admits(connection, asked.submission)
 
 
 def read_failures(connection: Connection, job_id: str) -> Failures:

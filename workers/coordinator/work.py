@@ -14,10 +14,10 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.workers.states.job import Job, Joined, Transition
 
-__all__ = ["AgentSide", "Asked", "Claim", "Exchange", "HandIn", "WholeGeneration", "Result", "Sizing", "joined"]
+__all__ = ["AgentSide", "Asked", "Claim", "Exchange", "Submission", "LocalBatch", "Result", "Sizing", "joined"]
 
 HANDING_OUT_SECONDS = 0.0002  # what it costs to hand out an evaluation and to take in its result
-LONG_BURST = 10.0  # times burst_seconds, for runs that cost less than that
+LONG_BATCH = 10.0  # times local_batch_seconds, for runs that cost less than that
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class Result:
 
 
 @dataclass(frozen=True, slots=True)
-class WholeGeneration:
+class LocalBatch:
     """A generation that one worker ran alone, with the outcome of the state machine."""
 
     generation: int
@@ -89,14 +89,14 @@ class WholeGeneration:
 
 
 @dataclass(frozen=True, slots=True)
-class HandIn:
+class Submission:
     """What a worker returns for a claim: whole generations in order, then results of the last one started.
 
     ``killed``: it was at one more particle, which was killed on request. ``partial``: it goes on with the rest.
     """
 
     claim: Claim | None = None
-    whole_generations: Sequence[WholeGeneration] = ()
+    local_batches: Sequence[LocalBatch] = ()
     generation: int = -1
     results: Sequence[Result] = ()
     killed: int | None = None
@@ -105,7 +105,7 @@ class HandIn:
     def particles(self) -> list[int]:
         """Particles that it concerns: held, with results, or of the first whole generation."""
         held = [] if self.claim is None else self.claim.particles
-        first = self.whole_generations[0].results if self.whole_generations else ()
+        first = self.local_batches[0].results if self.local_batches else ()
         return [*held, *(result.particle for result in (*self.results, *first))]
 
     def under_way(self) -> frozenset[int]:
@@ -125,7 +125,7 @@ class AgentSide(Protocol):
     def most(self, typical: float | None) -> int:
         """How many evaluations the agent takes at once, if one typically takes this long [s]."""
 
-    def admits(self, connection: Connection, hand_in: HandIn) -> bool:
+    def admits(self, connection: Connection, submission: Submission) -> bool:
         """Whether results may be accepted: they were not before."""
 
     def settles(self, connection: Connection, answer: Exchange) -> None:
@@ -149,7 +149,7 @@ class Asked:
     """
 
     worker: str
-    hand_in: HandIn
+    submission: Submission
     live_workers: int
     want: bool
     taken_up: bool = False
@@ -199,15 +199,15 @@ class Sizing:
     """
 
     cheap_seconds: float
-    burst_seconds: float
+    local_batch_seconds: float
     single_seconds: float
     chunk_seconds: float
 
-    def burst(self, typical_seconds: float | None, particles: int) -> bool:
+    def local_batch(self, typical_seconds: float | None, particles: int) -> bool:
         """Whether whole generations stay in one worker."""
         if typical_seconds is None:
             return False
-        longest = self.burst_seconds * (LONG_BURST if typical_seconds < HANDING_OUT_SECONDS else 1.0)
+        longest = self.local_batch_seconds * (LONG_BATCH if typical_seconds < HANDING_OUT_SECONDS else 1.0)
         return typical_seconds * particles < longest
 
     def chunk(self, typical_seconds: float | None, particles: int, left: int, live_workers: int) -> int:
@@ -218,4 +218,4 @@ class Sizing:
         if typical_seconds > self.cheap_seconds:
             longest = math.ceil(self.chunk_seconds / typical_seconds)
             return max(1, min(-(-2 * left // (3 * workers)), longest))
-        return particles if self.burst(typical_seconds, particles) else -(-particles // workers)
+        return particles if self.local_batch(typical_seconds, particles) else -(-particles // workers)

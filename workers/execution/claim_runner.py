@@ -9,13 +9,13 @@ from collections.abc import Callable, Sequence
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.course import Course
-from geoswarm.solver.runner.evaluator import Evaluator, NeverMind, NoProcessError
+from geoswarm.solver.runner.evaluator import EvaluationCancelled, Evaluator, NoProcessError
 from geoswarm.solver.runner.fork_server_link import POLL_SECONDS
 from geoswarm.workers.coordinator.ending import changed_criteria
-from geoswarm.workers.coordinator.work import Claim, HandIn, Result, WholeGeneration, joined
+from geoswarm.workers.coordinator.work import Claim, LocalBatch, Result, Submission, joined
 from geoswarm.workers.execution.heartbeat import Heartbeat
 from geoswarm.workers.execution.limits import limits_of
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import GenerationJoined, Job, apply
 from geoswarm.workers.tracing import record_span
@@ -24,7 +24,7 @@ __all__ = ["Early", "ClaimRunner"]
 
 log = logging.getLogger(__name__)
 
-Early = Callable[[HandIn, bool], tuple[bool, Claim | None]]
+Early = Callable[[Submission, bool], tuple[bool, Claim | None]]
 """Hands in results while their neighbours go on, and asks for the next claim if the second argument says so.
 
 Gives whether they have arrived, and the claim."""
@@ -70,14 +70,14 @@ class ClaimRunner:
         self.trouble: str | None = None
         """Why this worker could not begin an evaluation: what it held goes back, and others may begin it."""
 
-    def run(self) -> HandIn:
+    def run(self) -> Submission:
         """Run it, or several generations when it is cheap enough; what takes long is cut and handed in early.
 
         As the last evaluation nears its end the next claim is fetched, so that no run waits for the database.
         """
-        return self._piecewise() if self._claim.job is None else self._burst(self._claim.job)
+        return self._piecewise() if self._claim.job is None else self._run_local_batch(self._claim.job)
 
-    def _piecewise(self) -> HandIn:
+    def _piecewise(self) -> Submission:
         part = self._claim
         while True:
             began = self._since = time.monotonic()
@@ -90,15 +90,15 @@ class ClaimRunner:
             finished = self._results[self._last + 1 - len(part.particles) :]
             cut = len(finished) < len(part.particles) or self._heartbeat.unwanted() is not None
             if self._ahead is None or cut or self._decides(finished):
-                return HandIn(self._held, (), part.generation, self._results[self._handed_in :], killed)
+                return Submission(self._held, (), part.generation, self._results[self._handed_in :], killed)
             part, self._ahead = self._ahead, None
 
-    def _burst(self, job: Job) -> HandIn:
+    def _run_local_batch(self, job: Job) -> Submission:
         """Run whole generations in a row."""
         claim = self._claim
         began = time.monotonic()
         criteria = changed_criteria(claim.stopping)
-        whole_generations: list[WholeGeneration] = []
+        local_batches: list[LocalBatch] = []
         generation, positions = claim.generation, claim.positions
         particles: Sequence[int] = claim.particles
         attempts: Sequence[int] = claim.attempts
@@ -106,16 +106,16 @@ class ClaimRunner:
             results: list[Result] = []
             killed = self._evaluate(generation, particles, attempts, positions, began, results)
             if self._decides(results) or len(results) < len(positions):
-                return HandIn(claim, whole_generations, generation, results, killed)
+                return Submission(claim, local_batches, generation, results, killed)
             elapsed = time.monotonic() - began
             results_there = joined(_in_order(results))
             event = GenerationJoined(generation, results_there, claim.run_seconds + elapsed, criteria=criteria)
             transition = apply(job, event, self._course)
-            whole_generations.append(WholeGeneration(generation, results, transition, claim.now + elapsed))
+            local_batches.append(LocalBatch(generation, results, transition, claim.now + elapsed))
             job = transition.job
             tired = elapsed > self._settings.chunk_seconds or self._heartbeat.unwanted() is not None
             if tired or job.state != "running" or job.progress is None or self._course.learns(job.progress):
-                return HandIn(claim, whole_generations, job.generation, ())
+                return Submission(claim, local_batches, job.generation, ())
             generation, positions = job.generation, job.progress.positions
             particles, attempts = range(len(positions)), [1] * len(positions)
 
@@ -146,7 +146,7 @@ class ClaimRunner:
                 shown = None if outcome.log is None else self._course.problem.forward_model.shown(outcome.log)
                 results.append(Result(particles[number], attempts[number], outcome.evaluation, *times, shown))
                 self._since = outcome.ended
-        except NeverMind as end:
+        except EvaluationCancelled as end:
             return particles[end.index]
         except NoProcessError as error:
             self.trouble = str(error)
@@ -168,7 +168,7 @@ class ClaimRunner:
 
     def _reach(self, *, want: bool) -> None:
         ready = tuple(self._results[self._handed_in :])
-        arrived, ahead = self._early(HandIn(self._held, (), self._held.generation, ready, partial=True), want)
+        arrived, ahead = self._early(Submission(self._held, (), self._held.generation, ready, partial=True), want)
         if arrived:
             self._handed_in += len(ready)
         if ahead is not None:
@@ -184,7 +184,7 @@ class ClaimRunner:
     def _note(self, generation: int, particle: int, evaluation: Evaluation) -> None:
         """Count a run, and log it when it failed."""
         job = self._claim.job_id
-        tally.run(evaluation.reason or "finished", evaluation.seconds)
+        process_counters.run(evaluation.reason or "finished", evaluation.seconds)
         record_span("evaluation", evaluation.seconds, job=job, generation=generation, evaluation=particle)
         if evaluation.reason is not None:
             context = {

@@ -10,7 +10,7 @@ from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Claim
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.queries.evaluations import still_wanted
 from geoswarm.workers.queries.workers import see_worker
 from geoswarm.workers.settings import Settings
@@ -84,7 +84,7 @@ class Heartbeat:
                     beaten = now
                     self._see()
                     self.late = time.monotonic() - now > self.settings.heartbeat_seconds
-                    tally.flush(self.store)
+                    process_counters.flush(self.store)
                 # The exchange that gave the claim was a look, too.
                 look = now - self._claimed >= half and now - looked >= 1.9 * half
                 if claim is not None and (due or look):

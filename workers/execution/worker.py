@@ -20,14 +20,13 @@ from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.width import free_slots
-from geoswarm.workers.coordinator.work import Claim, Exchange, HandIn
-from geoswarm.workers.doorbell import Doorbell
+from geoswarm.workers.coordinator.work import Claim, Exchange, Submission
 from geoswarm.workers.errors import StoreUnavailableError, WorkersError
 from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.execution.heartbeat import Heartbeat
 from geoswarm.workers.execution.slots import Slots
 from geoswarm.workers.identity import Identity
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.queries.jobs import current_generation, get_problem
 from geoswarm.workers.queries.offers import read_offer
 from geoswarm.workers.queries.queue import most_urgent_job, take_turn
@@ -37,6 +36,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_problem
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.tracing import span
+from geoswarm.workers.waker import Waker
 
 __all__ = ["Worker"]
 
@@ -55,17 +55,17 @@ class Worker:
 
     Parameters
     ----------
-    doorbell
+    waker
         Wakes the other workers.
     slots
         Shared with the other workers of this group; None: every kind of forward model may use them all.
     """
 
     def __init__(
-        self, store: Store, doorbell: Doorbell, settings: Settings, identity: Identity, slots: Slots | None = None
+        self, store: Store, waker: Waker, settings: Settings, identity: Identity, slots: Slots | None = None
     ) -> None:
         self.store = store
-        self.doorbell = doorbell
+        self.waker = waker
         self.settings = settings
         self.identity = identity
         self.runtime = Runtime(store, settings)
@@ -92,7 +92,7 @@ class Worker:
         self.heartbeat.stop()
         self._evaluator.close()
         try:
-            tally.flush(self.store)
+            process_counters.flush(self.store)
             self.store.write(lambda connection: forget_worker(connection, self.identity.id))
         except StoreUnavailableError as error:
             log.warning("worker %s could not sign off: %s", self.identity.id, error)
@@ -199,30 +199,30 @@ class Worker:
             self.stopping.wait(self.settings.lease_seconds / 4)
         turn = _Turn(self, job_id, noted)
         self._count_live()
-        answer = self._exchange(job_id, course, HandIn(), turn)
+        answer = self._exchange(job_id, course, Submission(), turn)
         if answer.queued:
             try:
                 progress: Progress | InfeasibleSpaceError = course.start(self._free_slots(job_id, course))
             except InfeasibleSpaceError as error:
                 progress = error
             self.runtime.start(job_id, progress)
-            answer = self._exchange(job_id, course, HandIn(), turn)
+            answer = self._exchange(job_id, course, Submission(), turn)
         early = partial(self._early, job_id, course, turn)
         while answer.claim is not None:
             self.heartbeat.claim = claim = answer.claim
             claimed = ClaimRunner(claim, self._evaluator, course, self.settings, self.heartbeat, early)
             with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
-                hand_in = claimed.run()
+                submission = claimed.run()
             if claimed.trouble is not None or course.problem.forward_model.unavailable() is not None:
                 turn.end()  # what has changed is seen to when the job is taken up again
-            answer = self._exchange(job_id, course, hand_in, turn)
+            answer = self._exchange(job_id, course, submission, turn)
             if claimed.trouble is not None:
                 self._rest(claimed.trouble)
             if answer.waiting is not None and self._generation_ends(claim, answer.waiting, turn):
-                answer = self._exchange(job_id, course, HandIn(), turn)
+                answer = self._exchange(job_id, course, Submission(), turn)
             self.heartbeat.claim = answer.claim
         if answer.left:
-            self.doorbell.ring(job_id, kind=_kind(course))
+            self.waker.wake(job_id, kind=_kind(course))
 
     def _rest(self, trouble: str) -> None:
         """Leave the work to others for a while: this worker cannot do any now, and no evaluation is to blame."""
@@ -251,29 +251,29 @@ class Worker:
             now = time.monotonic()
         return False
 
-    def _exchange(self, job_id: str, course: Course, hand_in: HandIn, turn: _Turn) -> Exchange:
+    def _exchange(self, job_id: str, course: Course, submission: Submission, turn: _Turn) -> Exchange:
         """Exchange with the runtime, again and again while the database does not answer: results are worth the wait."""
         wait = 0.1
         while True:
             try:
-                answer = self._ask(job_id, course, hand_in, turn)
+                answer = self._ask(job_id, course, submission, turn)
             except StoreUnavailableError:
-                if hand_in.claim is None or self.stopping.wait(wait):
+                if submission.claim is None or self.stopping.wait(wait):
                     raise
                 wait = min(2 * wait, LONGEST_WAIT_SECONDS)
             else:
                 if answer.rings:
-                    self.doorbell.ring(job_id, answer.rings, kind=_kind(course))
+                    self.waker.wake(job_id, answer.rings, kind=_kind(course))
                 return answer
 
-    def _ask(self, job_id: str, course: Course, hand_in: HandIn, turn: _Turn, *, want: bool = True) -> Exchange:
+    def _ask(self, job_id: str, course: Course, submission: Submission, turn: _Turn, *, want: bool = True) -> Exchange:
         """Exchange with the runtime once."""
-        want = want and turn.goes_on(soon=hand_in.partial)
+        want = want and turn.goes_on(soon=submission.partial)
         answer = self.runtime.exchange(
             job_id,
             self.identity.id,
             course,
-            hand_in,
+            submission,
             live_workers=self._live_workers,
             want=want,
             taken_up=turn.begins,
@@ -283,13 +283,13 @@ class Worker:
         return answer
 
     def _early(
-        self, job_id: str, course: Course, turn: _Turn, hand_in: HandIn, want: bool
+        self, job_id: str, course: Course, turn: _Turn, submission: Submission, want: bool
     ) -> tuple[bool, Claim | None]:
         """Hand in what is ready while an evaluation runs; see :data:`geoswarm.workers.execution.claim_runner.Early`."""
         try:
-            answer = self._ask(job_id, course, hand_in, turn, want=want)
+            answer = self._ask(job_id, course, submission, turn, want=want)
             if answer.rings or (answer.left and not want):
-                self.doorbell.ring(job_id, max(answer.rings, 1), kind=_kind(course))
+                self.waker.wake(job_id, max(answer.rings, 1), kind=_kind(course))
         except StoreUnavailableError as error:
             log.warning("worker %s: %s", self.identity.id, error)  # it is handed in again at the end
             return False, None

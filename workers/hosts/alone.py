@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.doorbell import Doorbell, MuteDoorbell
 from geoswarm.workers.notices.notifier import Notifier
 from geoswarm.workers.notices.settings import NoticeSettings
 from geoswarm.workers.operations.sweep import Sweeper, with_signals
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker, Waker
 
-__all__ = ["remote_doorbell", "run_sweep"]
+__all__ = ["remote_waker", "run_sweep"]
 
 
-def remote_doorbell(settings: Settings) -> Doorbell:
-    """Return the doorbell of a process that runs no workers: that of the broker, or a mute one without a broker."""
+def remote_waker(settings: Settings) -> Waker:
+    """Return the waker of a process that runs no workers: that of the broker, or a mute one without a broker."""
     if settings.broker_url is None:
-        return MuteDoorbell()
-    from geoswarm.workers.hosts.celery_app import CeleryDoorbell
+        return NoWaker()
+    from geoswarm.workers.hosts.celery_app import CeleryWaker
 
-    return CeleryDoorbell(settings)
+    return CeleryWaker(settings)
 
 
 def run_sweep(settings: Settings) -> None:
@@ -33,14 +33,14 @@ def run_sweep(settings: Settings) -> None:
     """
     notices = NoticeSettings.from_environment()
     store = Store(settings)
-    doorbell = remote_doorbell(settings)
+    waker = remote_waker(settings)
     notifier = Notifier(store, settings, notices)
-    sweeper = Sweeper(Runtime(store, settings), doorbell)
+    sweeper = Sweeper(Runtime(store, settings), waker)
     with_signals(sweeper.end)
     notifier.start()
     try:
         sweeper.run()
     finally:
         notifier.stop()
-        doorbell.close()
+        waker.close()
         store.close()

@@ -20,7 +20,7 @@ from geoswarm.workers.errors import BrokerUnavailableError, SettingsError, Store
 from geoswarm.workers.hosts.celery_channel import forgive
 from geoswarm.workers.settings import Settings, mask_url
 
-__all__ = ["QUEUE", "SERVE_TASK", "CeleryDoorbell", "create_celery", "queue_name", "run_celery_worker"]
+__all__ = ["QUEUE", "SERVE_TASK", "CeleryWaker", "create_celery", "queue_name", "run_celery_worker"]
 
 log = logging.getLogger(__name__)
 
@@ -71,7 +71,7 @@ def queue_name(kind: str) -> str:
     return f"{QUEUE}.{kind}" if kind else QUEUE
 
 
-class CeleryDoorbell:
+class CeleryWaker:
     """Rings through Redis. While Redis is down it says so once and leaves the rest to the sweep."""
 
     def __init__(self, settings: Settings) -> None:
@@ -103,7 +103,7 @@ class CeleryDoorbell:
         except (redis.RedisError, OSError, ValueError) as error:
             raise BrokerUnavailableError(f"broker {mask_url(self.url)}: {' '.join(str(error).split())}") from error
 
-    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:
+    def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:
         """Send ``times`` messages to the queue of a kind of forward model."""
         if time.monotonic() < self._silent_until:
             return
@@ -152,9 +152,9 @@ def run_celery_worker(settings: Settings, concurrency: int) -> None:
     os.environ.update(numerics())
     from geoswarm.solver.forward.registry import kinds
 
-    doorbell = CeleryDoorbell(settings)
-    doorbell.check()
-    doorbell.close()
+    waker = CeleryWaker(settings)
+    waker.check()
+    waker.close()
     missing = missing_database(settings)
     if missing is not None:  # a new one would be the wrong one: the service has another
         raise StoreUnavailableError(

@@ -1,4 +1,4 @@
-"""The embedded engine: worker processes on this machine, supervised, with a pipe as doorbell. No broker."""
+"""The embedded engine: worker processes on this machine, supervised, with a pipe as waker. No broker."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from geoswarm.workers.queries.evaluations import overdue
 from geoswarm.workers.queries.workers import forget_worker
 from geoswarm.workers.settings import Settings
 
-__all__ = ["PipeDoorbell", "Supervisor"]
+__all__ = ["PipeWaker", "Supervisor"]
 
 log = logging.getLogger(__name__)
 
@@ -40,7 +40,7 @@ SHORT_LIFE_SECONDS = 10.0
 LONGEST_BACK_OFF_SECONDS = 5.0
 
 
-class PipeDoorbell:
+class PipeWaker:
     """A pipe in which every byte wakes one worker. A killed process takes at most one ring with it.
 
     Parameters
@@ -55,7 +55,7 @@ class PipeDoorbell:
         os.set_blocking(self.read_end, False)
         os.set_blocking(self.write_end, False)
 
-    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:  # noqa: ARG002  the protocol of all doorbells
+    def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:  # noqa: ARG002  the protocol of all wakers
         """Wake up to ``times`` workers; they look themselves what there is to do, whatever the job."""
         with contextlib.suppress(BlockingIOError, BrokenPipeError):
             room = self.capacity - self._waiting()
@@ -95,9 +95,9 @@ class _Child:
 class Supervisor:
     """Keeps ``settings.workers`` worker processes alive, and frees at once what a dead one held."""
 
-    def __init__(self, runtime: Runtime, doorbell: PipeDoorbell, sweeper: Sweeper) -> None:
+    def __init__(self, runtime: Runtime, waker: PipeWaker, sweeper: Sweeper) -> None:
         self.runtime = runtime
-        self.doorbell = doorbell
+        self.waker = waker
         self.sweeper = sweeper
         self.settings: Settings = runtime.settings
         self._stopping = threading.Event()
@@ -123,7 +123,7 @@ class Supervisor:
             self._thread.join()
         for child in self._children:
             child.process.terminate()
-        self.doorbell.ring("", len(self._children))  # those that wait need not wait to the end
+        self.waker.wake("", len(self._children))  # those that wait need not wait to the end
         deadline = time.monotonic() + self.settings.grace_seconds
         for child in self._children:
             try:
@@ -136,7 +136,7 @@ class Supervisor:
         os.close(self._slots)
 
     def _spawn(self) -> _Child:
-        ends = (self.doorbell.read_end, self.doorbell.write_end)
+        ends = (self.waker.read_end, self.waker.write_end)
         slots = self._slots
         process = subprocess.Popen(
             [sys.executable, "-c", BOOTSTRAP],
@@ -151,7 +151,7 @@ class Supervisor:
             "settings": self.settings.model_dump(),
             "worker_id": identity.id,
             "database_file": self.runtime.store.file,
-            "doorbell": ends,
+            "waker": ends,
             "slots": slots,
             "log_level": logging.getLogger().getEffectiveLevel(),
         }

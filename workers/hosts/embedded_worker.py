@@ -14,7 +14,7 @@ from geoswarm.solver.runner.isolated import isolate_foreign_models
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.execution.slots import Slots
 from geoswarm.workers.execution.worker import Worker
-from geoswarm.workers.hosts.embedded import PipeDoorbell
+from geoswarm.workers.hosts.embedded import PipeWaker
 from geoswarm.workers.identity import Identity, this_machine
 from geoswarm.workers.logs import start_logging
 from geoswarm.workers.operations.sweep import Sweeper, with_signals
@@ -34,28 +34,28 @@ def main(given: Mapping[str, Any]) -> None:
     settings = Settings(**given["settings"])
     if settings.isolate:
         isolate_foreign_models(settings.build_memory_mb, settings.passed_environment)
-    read_end, write_end = given["doorbell"]
-    doorbell = PipeDoorbell(settings.workers, (read_end, write_end))
+    read_end, write_end = given["waker"]
+    waker = PipeWaker(settings.workers, (read_end, write_end))
     identity = Identity(given["worker_id"], socket.gethostname(), os.getpid(), this_machine(), "embedded")
     try:
         file = given["database_file"]
         store = Store(settings, None if file is None else tuple(file))
-        worker = Worker(store, doorbell, settings, identity, Slots(settings.slots, given["slots"]))
+        worker = Worker(store, waker, settings, identity, Slots(settings.slots, given["slots"]))
         worker.start()
     except StoreUnavailableError as error:
         log.warning("worker %s cannot start: %s", identity.id, error)
         sys.exit(1)
     with_signals(worker.stopping.set)
     threading.Thread(target=_follow_parent, args=(worker, settings.grace_seconds), daemon=True).start()
-    sweeper = Sweeper(worker.runtime, doorbell)
+    sweeper = Sweeper(worker.runtime, waker)
     sweeper.start()
-    _work(worker, doorbell, settings)
+    _work(worker, waker, settings)
     sweeper.stop()
     worker.close()
     store.close()
 
 
-def _work(worker: Worker, doorbell: PipeDoorbell, settings: Settings) -> None:
+def _work(worker: Worker, waker: PipeWaker, settings: Settings) -> None:
     wait = settings.poll_seconds
     while not worker.stopping.is_set():
         try:
@@ -65,7 +65,7 @@ def _work(worker: Worker, doorbell: PipeDoorbell, settings: Settings) -> None:
             worker.stopping.wait(wait)
             continue
         if turn is None:
-            doorbell.wait(wait)
+            waker.wait(wait)
         else:
             worker.serve(*turn)
 

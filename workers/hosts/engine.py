@@ -7,13 +7,13 @@ from types import TracebackType
 from typing import Self
 
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.doorbell import Doorbell
-from geoswarm.workers.hosts.embedded import PipeDoorbell, Supervisor
+from geoswarm.workers.hosts.embedded import PipeWaker, Supervisor
 from geoswarm.workers.notices.notifier import Notifier
 from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import Waker
 
 __all__ = ["Engine", "open_engine"]
 
@@ -35,12 +35,12 @@ class Engine:
         with ExitStack() as started:
             store = Store(settings)
             started.callback(store.close)
-            doorbell = _open_doorbell(settings)
-            started.callback(doorbell.close)
+            waker = _open_waker(settings)
+            started.callback(waker.close)
             runtime = Runtime(store, settings)
-            sweeper = Sweeper(runtime, doorbell)
-            if isinstance(doorbell, PipeDoorbell):
-                self.supervisor = Supervisor(runtime, doorbell, sweeper)
+            sweeper = Sweeper(runtime, waker)
+            if isinstance(waker, PipeWaker):
+                self.supervisor = Supervisor(runtime, waker, sweeper)
                 started.callback(self.supervisor.stop)
                 self.supervisor.start()
             started.callback(sweeper.stop)
@@ -48,7 +48,7 @@ class Engine:
             notifier = Notifier(store, settings)
             started.callback(notifier.stop)
             notifier.start()
-            self.service = JobService(store, doorbell, settings)
+            self.service = JobService(store, waker, settings)
             started.callback(self.service.close)
             self._started = started.pop_all()
 
@@ -65,18 +65,18 @@ class Engine:
         self.close()
 
 
-def _open_doorbell(settings: Settings) -> Doorbell:
+def _open_waker(settings: Settings) -> Waker:
     if settings.broker_url is None:
-        return PipeDoorbell(settings.workers)
-    from geoswarm.workers.hosts.celery_app import CeleryDoorbell
+        return PipeWaker(settings.workers)
+    from geoswarm.workers.hosts.celery_app import CeleryWaker
 
-    doorbell = CeleryDoorbell(settings)
+    waker = CeleryWaker(settings)
     try:
-        doorbell.check()
+        waker.check()
     except BaseException:
-        doorbell.close()
+        waker.close()
         raise
-    return doorbell
+    return waker
 
 
 def open_engine(settings: Settings) -> Engine:

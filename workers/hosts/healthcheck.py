@@ -34,13 +34,13 @@ def what_is_wrong(settings: Settings, *, worker: bool) -> str | None:
         finally:
             store.close()
         if settings.broker_url is not None:
-            from geoswarm.workers.hosts.celery_app import CeleryDoorbell
+            from geoswarm.workers.hosts.celery_app import CeleryWaker
 
-            doorbell = CeleryDoorbell(settings)
+            waker = CeleryWaker(settings)
             try:
-                doorbell.check()
+                waker.check()
             finally:
-                doorbell.close()
+                waker.close()
     except WorkersError as error:
         return str(error)
     if worker and not any(row.host == socket.gethostname() and not row.lost for row in rows):

@@ -20,7 +20,7 @@ from geoswarm.solver.system.processes import kill_descendants
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.execution.slots import Slots
 from geoswarm.workers.execution.worker import Worker
-from geoswarm.workers.hosts.celery_app import SERVE_TASK, CeleryDoorbell
+from geoswarm.workers.hosts.celery_app import SERVE_TASK, CeleryWaker
 from geoswarm.workers.identity import Identity
 from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.settings import Settings
@@ -39,7 +39,7 @@ class _Process:
     """What belongs to one pool process; made after the fork, as connections must not be shared."""
 
     store: Store
-    doorbell: CeleryDoorbell
+    waker: CeleryWaker
     worker: Worker
     sweeper: Sweeper
     working: threading.Lock = field(default_factory=threading.Lock)
@@ -55,7 +55,7 @@ class _Process:
                     return
                 worker.serve(*turn)
             if not worker.stopping.is_set() and (urgent := worker.most_urgent()) is not None:
-                self.doorbell.ring(urgent.id, kind=urgent.forward_model)  # one ring was used, one for what is left
+                self.waker.wake(urgent.id, kind=urgent.forward_model)  # one ring was used, one for what is left
         except StoreUnavailableError as error:
             log.warning("worker %s: %s", worker.identity.id, error)
 
@@ -67,7 +67,7 @@ class _Process:
                 self.closed = True
                 self.sweeper.stop()
                 self.worker.close()
-                self.doorbell.close()
+                self.waker.close()
                 self.store.close()
 
 
@@ -105,12 +105,12 @@ def _open(**_: Any) -> None:
     if settings.isolate:
         isolate_foreign_models(settings.build_memory_mb, settings.passed_environment)
     store = Store(settings)
-    doorbell = CeleryDoorbell(settings)
-    worker = Worker(store, doorbell, settings, Identity.new("celery"), Slots(settings.slots, _slots))
+    waker = CeleryWaker(settings)
+    worker = Worker(store, waker, settings, Identity.new("celery"), Slots(settings.slots, _slots))
     worker.start()
-    sweeper = Sweeper(worker.runtime, doorbell)
+    sweeper = Sweeper(worker.runtime, waker)
     sweeper.start()
-    process = _Process(store, doorbell, worker, sweeper)
+    process = _Process(store, waker, worker, sweeper)
     for follow in (_follow_end, _look_around):
         threading.Thread(target=follow, args=(process,), name=f"geoswarm{follow.__name__}", daemon=True).start()
     _process = process

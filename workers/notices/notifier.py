@@ -15,7 +15,6 @@ from functools import partial
 from typing import Any
 
 from geoswarm.workers.access.principal import LOCAL
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.notices.mail import send_mail
 from geoswarm.workers.notices.message import body_of, mail_of, trial_body
@@ -23,12 +22,13 @@ from geoswarm.workers.notices.queue import any_due, forget_old, hold_due, keep_b
 from geoswarm.workers.notices.settings import NoticeSettings
 from geoswarm.workers.notices.verdicts import SECONDS, Found, find_verdicts
 from geoswarm.workers.notices.web import NotDeliveredError, post
-from geoswarm.workers.operations.tally import tally
+from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import to_datetime
 from geoswarm.workers.store.database import Record
+from geoswarm.workers.waker import NoWaker
 
 __all__ = ["AGAIN_SECONDS", "Notifier"]
 
@@ -67,7 +67,7 @@ class Notifier:
         self.notices = NoticeSettings.from_environment() if notices is None else notices
         self.again = again
         self._find = find
-        self._jobs = JobService(store, MuteDoorbell(), settings).on_behalf_of(LOCAL)
+        self._jobs = JobService(store, NoWaker(), settings).on_behalf_of(LOCAL)
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -134,10 +134,10 @@ class Notifier:
             message = str(error)[:500]
             log.warning("hook %s, try %d: %s", row.hook_id, row.tries, message)
             self.store.write(lambda connection: note_failure(connection, row.id, message, again))
-            tally.add("notices", "retried" if again is not None else "given_up")
+            process_counters.add("notices", "retried" if again is not None else "given_up")
         else:
             self.store.write(lambda connection: note_delivered(connection, row.id))
-            tally.add("notices", "delivered")
+            process_counters.add("notices", "delivered")
 
     def _send(self, row: Record, body: str) -> None:
         message_id = f"geoswarm-{row.hook_id}-{row.id}"

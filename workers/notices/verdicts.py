@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from geoswarm.solver.system.processes import die_with_parent
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 
 __all__ = ["NOTHING", "Found", "find_verdicts"]
 
@@ -65,7 +65,7 @@ def main() -> None:
     asked = json.load(sys.stdin)
     settings = Settings(database_url=asked["database_url"])
     store = Store(settings)
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     try:
         from geoswarm.solver.report.curves import objective_unit
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sqlalchemy import Connection, and_, func, select, text
 
 from geoswarm.records.states import UNDONE_STATES
-from geoswarm.workers.operations.tally import read_counters
+from geoswarm.workers.operations.counters import read_counters
 from geoswarm.workers.queries.workers import busy_workers, list_workers
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import deliveries, evaluations, jobs
@@ -36,7 +36,7 @@ class Measures:
     notices
         Messages about ended jobs that wait to be delivered.
     counters
-        Sums by name and label, see :mod:`geoswarm.workers.operations.tally`.
+        Sums by name and label, see :mod:`geoswarm.workers.operations.counters`.
     """
 
     jobs: Mapping[str, int]

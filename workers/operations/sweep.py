@@ -12,11 +12,10 @@ from types import FrameType
 from sqlalchemy import Connection
 
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import is_dead, this_machine
+from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.operations.sweep_marks import begin_sweep, due_sweeps, forget_marks
-from geoswarm.workers.operations.tally import tally
 from geoswarm.workers.queries.agents import (
     any_old_leases,
     end_lease,
@@ -38,6 +37,7 @@ from geoswarm.workers.queries.workers import (
 from geoswarm.workers.store.codec import unpack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.journal import empty_journal
+from geoswarm.workers.waker import Waker
 
 __all__ = ["Sweeper", "with_signals"]
 
@@ -51,9 +51,9 @@ EVERYWHERE = "everywhere"
 class Sweeper:
     """Looks after one store, by :meth:`sweep` once or by a thread of its own."""
 
-    def __init__(self, runtime: Runtime, doorbell: Doorbell) -> None:
+    def __init__(self, runtime: Runtime, waker: Waker) -> None:
         self.runtime = runtime
-        self.doorbell = doorbell
+        self.waker = waker
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -70,7 +70,7 @@ class Sweeper:
             self.sweep()
         else:
             self._sweep_in_turn()
-        tally.flush(self.runtime.store)
+        process_counters.flush(self.runtime.store)
 
     def _sweep_in_turn(self) -> None:
         settings, store = self.runtime.settings, self.runtime.store
@@ -116,10 +116,10 @@ class Sweeper:
                 generation,
                 extra={"job": job_id, "generation": generation},
             )
-            tally.add("lease_expirations", "", expired)
+            process_counters.add("lease_expirations", "", expired)
             row = self.runtime.store.read(lambda c: get_job(c, job_id))
             if row is not None:
-                self.doorbell.ring(job_id, expired, kind=row.forward_model)
+                self.waker.wake(job_id, expired, kind=row.forward_model)
 
     def start(self) -> None:
         """Look every ``sweep_seconds`` in a thread."""
@@ -163,7 +163,7 @@ class Sweeper:
         if lost:
             log.warning("workers lost: %s", ", ".join(lost))
             store.write(lambda c: mark_lost(c, lost))
-            tally.add("sweep_actions", "worker_given_up", len(lost))
+            process_counters.add("sweep_actions", "worker_given_up", len(lost))
         return lost
 
     def _end_leases_of_dead_keys(self) -> None:
@@ -177,7 +177,7 @@ class Sweeper:
             log.warning("agent %s lost a lease: its key is no longer valid", lease.agent)
             row = store.read(partial(get_job, job_id=lease.job_id))
             if row is not None:
-                self.doorbell.ring(lease.job_id, len(held), kind=row.forward_model)
+                self.waker.wake(lease.job_id, len(held), kind=row.forward_model)
         if store.read(any_old_leases):
             store.write(forget_old_leases)
 
@@ -195,7 +195,7 @@ class Sweeper:
         if rows:
             store.write(lambda c: mark_rung(c, [row.id for row in rows]))
             for row in rows:
-                self.doorbell.ring(row.id, kind=row.forward_model)
+                self.waker.wake(row.id, kind=row.forward_model)
 
 
 def with_signals(stop: Callable[[], None]) -> None:

@@ -43,7 +43,7 @@ from geoswarm.workers.states.job import (
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_json, text_of_program, unpack_json
 from geoswarm.workers.store.database import Record, change
-from geoswarm.workers.store.event_bell import insert_events
+from geoswarm.workers.store.event_listener import insert_events
 from geoswarm.workers.store.outbox import insert_deliveries
 from geoswarm.workers.store.tables import evaluations, events, generations, jobs, turns
 

@@ -10,7 +10,7 @@ import numpy as np
 from sqlalchemy import Connection, insert, select, update
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Offer
+from geoswarm.solver.calibration import WarmStartRuns
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import Points, Problem, parse_problem
 from geoswarm.solver.runs.warm_start import OTHER_MODEL, EarlierRuns, best_of, forward_model_hash, offer_of, usable_runs
@@ -36,7 +36,7 @@ class WarmStart:
     evaluations: int
 
 
-def find_offer(store: Store, problem: Problem, visible: Callable[[Connection, str], object]) -> Offer | None:
+def find_offer(store: Store, problem: Problem, visible: Callable[[Connection, str], object]) -> WarmStartRuns | None:
     """Return what the jobs that a problem starts from offer to it.
 
     Parameters
@@ -49,7 +49,7 @@ def find_offer(store: Store, problem: Problem, visible: Callable[[Connection, st
     ProblemError
         When one of them is not there or offers nothing, with the reason.
     """
-    found: list[Offer] = []
+    found: list[WarmStartRuns] = []
     issues: list[Issue] = []
     wanted = forward_model_hash(problem)
     for number, job_id in enumerate(problem.warm_start):
@@ -105,7 +105,7 @@ def find_warm_starts(store: Store, problem: Problem, owner: str | None, cache: C
 
 def _offer(
     store: Store, problem: Problem, wanted: str, job_id: str, visible: Callable[[Connection, str], object]
-) -> Offer | str:
+) -> WarmStartRuns | str:
     """Return what one job offers. Documents are parsed between the transactions, not in one."""
 
     def known(connection: Connection) -> str | None:
@@ -155,7 +155,7 @@ def _parameters(problem: Problem, runs: Sequence[Record]) -> FloatArray:
     return np.array([unpack_array(run.parameters) for run in runs]).reshape(-1, len(problem.free))
 
 
-def write_offer(connection: Connection, job_id: str, offer: Offer) -> None:
+def write_offer(connection: Connection, job_id: str, offer: WarmStartRuns) -> None:
     """Store an offer with a new job."""
     rows = zip(offer.parameters, offer.responses, strict=True)
     values = [
@@ -170,12 +170,12 @@ def write_offer(connection: Connection, job_id: str, offer: Offer) -> None:
     connection.execute(insert(offers), values)
 
 
-def read_offer(connection: Connection, job_id: str) -> Offer | None:
+def read_offer(connection: Connection, job_id: str) -> WarmStartRuns | None:
     """Return the offer that was stored with a job, None: there is none."""
     columns = (offers.c.parameters, offers.c.responses)
     rows = connection.execute(select(*columns).where(offers.c.job_id == job_id).order_by(offers.c.number)).all()
     if not rows:
         return None
-    return Offer(
+    return WarmStartRuns(
         np.array([unpack_array(row.parameters) for row in rows]), [unpack_responses(row.responses) for row in rows]
     )

@@ -11,7 +11,7 @@ from geoswarm.solver.system.versions import differences, versions
 from geoswarm.workers.queries.jobs import LockedJob
 from geoswarm.workers.store.codec import pack_json, unpack_json
 from geoswarm.workers.store.database import Record
-from geoswarm.workers.store.event_bell import insert_events
+from geoswarm.workers.store.event_listener import insert_events
 from geoswarm.workers.store.tables import jobs
 
 __all__ = ["note_versions", "recorded_versions", "version_warnings"]

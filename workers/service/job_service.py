@@ -32,7 +32,6 @@ from geoswarm.workers.access.quotas import check_quotas, lock_quotas, sizes
 from geoswarm.workers.agents.needs import needs_of
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.doorbell import Doorbell
 from geoswarm.workers.errors import (
     IdempotencyConflictError,
     JobNotFoundError,
@@ -52,6 +51,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import CancelRequested, PauseRequested, Request, ResumeRequested
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
+from geoswarm.workers.waker import Waker
 
 if TYPE_CHECKING:
     from geoswarm.workers.service.bodies import BodyService
@@ -70,14 +70,14 @@ class JobService(JobRecords):
     decided in :meth:`_row` and :meth:`_frame`, through which every method reaches its job.
     """
 
-    def __init__(self, store: Store, doorbell: Doorbell, settings: Settings | None = None) -> None:
+    def __init__(self, store: Store, waker: Waker, settings: Settings | None = None) -> None:
         self.store = store
-        self.doorbell = doorbell
+        self.waker = waker
         self.settings = Settings(database_url=store.url) if settings is None else settings
         self.principal = LOCAL
         reserve = self.settings.disk_reserve_mb * 1e6
         self._database = OneAtATime(Probe(store, reserve_bytes=reserve).database)
-        self._broker = OneAtATime(doorbell.health)
+        self._broker = OneAtATime(waker.health)
         self._cache = Cache()  # every copy uses the same, after it has asked :meth:`_row`
         self._runtime = Runtime(store, self.settings)
         self._sandbox = Sandbox(self.settings)
@@ -194,7 +194,7 @@ class JobService(JobRecords):
 
         view, new = self.store.write(work)
         if new:
-            self.doorbell.ring(view.id, kind=view.forward_model)
+            self.waker.wake(view.id, kind=view.forward_model)
         return view, new
 
     def get(self, job_id: str) -> Job:
@@ -283,7 +283,7 @@ class JobService(JobRecords):
         view = self.get(job_id)
         quota_of = None if self.principal.role == "admin" else self.principal.owner
         if self._runtime.change_stopping(job_id, stopping, quota_of):
-            self.doorbell.ring(job_id, kind=view.forward_model)
+            self.waker.wake(job_id, kind=view.forward_model)
         return self.get(job_id)
 
     def retry_failed(self, job_id: str) -> tuple[Job, int]:
@@ -300,7 +300,7 @@ class JobService(JobRecords):
         """
         kind = self.get(job_id).forward_model
         number = self._runtime.retry_failed(job_id)
-        self.doorbell.ring(job_id, number, kind=kind)
+        self.waker.wake(job_id, number, kind=kind)
         return self.get(job_id), number
 
     def delete(self, job_id: str) -> None:
@@ -386,7 +386,7 @@ class JobService(JobRecords):
     def _request(self, job_id: str, event: Request) -> Job:
         kind = self.get(job_id).forward_model
         if self._runtime.request(job_id, event):
-            self.doorbell.ring(job_id, kind=kind)
+            self.waker.wake(job_id, kind=kind)
         return self.get(job_id)
 
 

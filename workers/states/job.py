@@ -49,7 +49,7 @@ __all__ = [
     "RecordGeneration",
     "Request",
     "ResumeRequested",
-    "RingDoorbell",
+    "WakeWorkers",
     "Transition",
     "apply",
 ]
@@ -194,13 +194,11 @@ class FinishJob:
 
 
 @dataclass(frozen=True, slots=True)
-class RingDoorbell:
+class WakeWorkers:
     """There is work; after the commit, as the message must not overtake the rows."""
 
 
-Instruction: TypeAlias = (
-    DispatchGeneration | DropGeneration | RecordGeneration | PublishEvent | FinishJob | RingDoorbell
-)
+Instruction: TypeAlias = DispatchGeneration | DropGeneration | RecordGeneration | PublishEvent | FinishJob | WakeWorkers
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,7 +238,7 @@ def apply(job: Job, event: JobEvent, course: Course | None = None) -> Transition
         case ResumeRequested():
             _require("resume", job, "paused")
             state: JobState = "queued" if job.progress is None else "running"
-            return _move(replace(job, state=state, error=None), RingDoorbell())
+            return _move(replace(job, state=state, error=None), WakeWorkers())
         case GoOnRequested():
             _require("go on with", job, "finished", "cancelled")
             return _go_on(job)
@@ -262,7 +260,7 @@ def _start(job: Job, progress: Progress | InfeasibleSpaceError) -> Transition:
     if isinstance(progress, InfeasibleSpaceError):
         return _end(replace(job, error=str(progress)), "failed")
     started = replace(job, state="running", progress=progress)
-    return _move(started, *_dispatch(progress), RingDoorbell())
+    return _move(started, *_dispatch(progress), WakeWorkers())
 
 
 def _join(job: Job, event: GenerationJoined, course: Course | None) -> Transition:
@@ -299,7 +297,7 @@ def _join(job: Job, event: GenerationJoined, course: Course | None) -> Transitio
     if begun and (step.stop_reasons or answering):
         done, begun = (*done, DropGeneration(step.progress.generation)), False
     if not step.stop_reasons:
-        return Transition(after, (*done, *_dispatch(step.progress, begun=begun), RingDoorbell()))
+        return Transition(after, (*done, *_dispatch(step.progress, begun=begun), WakeWorkers()))
     after = replace(after, progress=replace(step.progress, ahead_begun=False))
     if step.progress.best is None:
         error = no_success_message(Counter(after.failures), after.first_message)
@@ -312,12 +310,12 @@ def _join(job: Job, event: GenerationJoined, course: Course | None) -> Transitio
 def _go_on(job: Job) -> Transition:
     """Ended by a criterion, the next generation is known but was never begun; cancelled, it is there already."""
     if job.progress is None:
-        return _move(replace(job, state="queued"), RingDoorbell())
+        return _move(replace(job, state="queued"), WakeWorkers())
     after = replace(job, state="running", stop_reasons=(), error=None)
     if job.state == "cancelled":
-        return _move(after, RingDoorbell())
+        return _move(after, WakeWorkers())
     after = replace(after, progress=job.progress.going_on())
-    return _move(after, *_dispatch(job.progress.going_on()), RingDoorbell())
+    return _move(after, *_dispatch(job.progress.going_on()), WakeWorkers())
 
 
 def _dispatch(progress: Progress, *, begun: bool = False) -> list[DispatchGeneration]:

@@ -22,7 +22,7 @@ from geoswarm.cli.words.result import show_fit, show_values
 from geoswarm.cli.words.warnings import warn_of_many_points
 
 if TYPE_CHECKING:
-    from geoswarm.solver.calibration import Offer
+    from geoswarm.solver.calibration import WarmStartRuns
     from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
@@ -148,7 +148,7 @@ def run_command(
         raise FailedRunError(result.error or "no forward run succeeded")
 
 
-def _offer(problem: Problem, folders: tuple[Path, ...]) -> Offer | None:
+def _offer(problem: Problem, folders: tuple[Path, ...]) -> WarmStartRuns | None:
     """What earlier runs offer; a folder that offers nothing is an error."""
     from geoswarm.solver.report.folder.reading import FolderError, run_of_folder
     from geoswarm.solver.runs.warm_start import EarlierRuns, best_of, offer_of

@@ -14,7 +14,7 @@ from geoswarm.cli.words.output import duration, echo_facts, echo_json, note, num
 from geoswarm.cli.words.result import show_fit, show_values
 
 if TYPE_CHECKING:
-    from geoswarm.solver.calibration import Offer
+    from geoswarm.solver.calibration import WarmStartRuns
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.progress.result import CalibrationResult
     from geoswarm.solver.report.document.build import Report
@@ -29,7 +29,7 @@ _SUMMARY = (
 
 
 def open_folder(
-    folder: Path, problem: Problem, seed: int | None, offer: Offer | None, resume: bool
+    folder: Path, problem: Problem, seed: int | None, offer: WarmStartRuns | None, resume: bool
 ) -> RunFolder | None:
     """Make the folder of a run ready; None when a run to go on with is finished already.
 

@@ -20,7 +20,7 @@ from geoswarm.solver.errors import WorkerLostError, in_words
 from geoswarm.solver.external.umbridge.client import PROTOCOL
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
-from geoswarm.solver.runner.evaluator import NeverMind
+from geoswarm.solver.runner.evaluator import EvaluationCancelled
 from geoswarm.solver.runs.evaluators import WATCHED
 from geoswarm.solver.units import convert
 
@@ -153,7 +153,7 @@ class Bridge:
                 return self._calibration.evaluate(position)
             try:
                 (evaluation,) = self._team.evaluate(position[np.newaxis])
-            except NeverMind:
+            except EvaluationCancelled:
                 raise RequestError(503, "Ending", "the server is ending") from None
             except WorkerLostError as error:
                 raise RequestError(503, "Busy", str(error)) from None

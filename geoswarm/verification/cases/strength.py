@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import drained_triaxial
 from geoswarm.solver.laws.base import Soil

@@ -8,7 +8,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
-from geoswarm.solver.element_test.legs import PointState
+from geoswarm.solver.element_test.load_paths import PointState
 from geoswarm.solver.element_test.material_point import History, point_under
 from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.setup import SoilTable

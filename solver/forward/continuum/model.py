@@ -14,12 +14,12 @@ from geoswarm.solver.errors import InfeasibleError, Issue, ProblemError
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.fem.results import PhaseResult
 from geoswarm.solver.fem.solve import solve_phases
-from geoswarm.solver.forward.apart import guarded
 from geoswarm.solver.forward.base import ForwardRun, ParameterInfo, SeriesInfo
 from geoswarm.solver.forward.continuum.body import BodySections
 from geoswarm.solver.forward.continuum.materials import SoilSection, UserSoil
 from geoswarm.solver.forward.continuum.quantity import Quantity, quantities_in, value_of
 from geoswarm.solver.forward.continuum.translation import control_of, material_of, phases_of
+from geoswarm.solver.forward.isolation import run_isolated
 from geoswarm.solver.user_laws.law import UserLaw
 
 __all__ = ["BodyModel", "BodyRun"]
@@ -225,7 +225,7 @@ class BodyModel(ABC):
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
             return wanted.responses(self.calculate(parameters, wanted.phase_times, wanted.observed))
 
-        return guarded(run, [law for one in self.body.user_laws if isinstance(law := one.made, UserLaw)])
+        return run_isolated(run, [law for one in self.body.user_laws if isinstance(law := one.made, UserLaw)])
 
     def calculate(
         self,

@@ -23,8 +23,8 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
-from geoswarm.solver.search.descent.chains import ChainPoint
 from geoswarm.solver.search.descent.planned import BLIND_STEP, ProfileSearch, ProfileSettings
+from geoswarm.solver.search.descent.profile_paths import ChainPoint
 
 __all__ = ["Profile", "profile_settings", "profiles_of"]
 

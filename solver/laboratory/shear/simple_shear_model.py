@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.legs import Leg
+from geoswarm.solver.element_test.load_paths import LoadPath
 from geoswarm.solver.element_test.specimen import combination, same_strain
 from geoswarm.solver.laboratory.model import ShearModel
 from geoswarm.solver.laboratory.quantities import (
@@ -124,9 +124,9 @@ class SimpleShearModel(ShearModel):
         )
 
     @cached_property
-    def consolidation(self) -> Sequence[Sequence[Leg]]:
+    def consolidation(self) -> Sequence[Sequence[LoadPath]]:
         """Vertical stress without horizontal strain."""
-        return self.legs_of((stage, stage.normal_stress, None) for stage in self.spec.consolidation)
+        return self.load_paths_of((stage, stage.normal_stress, None) for stage in self.spec.consolidation)
 
     @cached_property
     def shearing(self) -> Sequence[ShearStage]:

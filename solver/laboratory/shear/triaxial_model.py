@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geoswarm.solver.element_test.legs import Leg
+from geoswarm.solver.element_test.load_paths import LoadPath
 from geoswarm.solver.element_test.specimen import (
     combination,
     engineering_strain,
@@ -146,9 +146,9 @@ class TriaxialModel(ShearModel):
         return self.spec.back_pressure
 
     @cached_property
-    def consolidation(self) -> Sequence[Sequence[Leg]]:
+    def consolidation(self) -> Sequence[Sequence[LoadPath]]:
         """Axial stress, and radial stress or no radial strain."""
-        return self.legs_of(
+        return self.load_paths_of(
             (
                 stage,
                 stage.axial,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Evaluation, Offer, choose_seed
+from geoswarm.solver.calibration import Evaluation, WarmStartRuns, choose_seed
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
@@ -167,7 +167,7 @@ class _Table:
 
 
 def open_run_folder(
-    folder: Path, problem: Problem, *, seed: int | None, offer: Offer | None, resume: bool
+    folder: Path, problem: Problem, *, seed: int | None, offer: WarmStartRuns | None, resume: bool
 ) -> RunFolder | None:
     """Make a folder ready for a run, or for the rest of one that was cut off there.
 
@@ -222,7 +222,7 @@ def _ended(result: Path) -> bool:
         return True  # what is wrong with it is said where it is shown
 
 
-def _digest(offer: Offer | None) -> str | None:
+def _digest(offer: WarmStartRuns | None) -> str | None:
     if offer is None:
         return None
     found = hashlib.sha256(offer.parameters.tobytes())

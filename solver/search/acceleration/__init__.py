@@ -6,10 +6,10 @@
 ``local_models``      Gauss-Newton and quadratic models around one run
 ``covariance``        covariance-adapting moves
 ``basins``            restarts that keep the elite
-``arms``              the ways to propose a point, and the patterns in which they take turns
+``strategies``              the ways to propose a point, and the patterns in which they take turns
 ``trust_region``      how far from the best run the surface is believed
 ``descending``        how a descent begins, goes on and ends
-``knowledge``         what the arms learn from
+``knowledge``         what the strategies learn from
 ``candidates``        what each of them finds: a point that is worth a run
 ``proposer``          which particles are aimed where
 ====================  =================================================================

@@ -1,4 +1,4 @@
-"""One generation's candidates: each arm is a way to find the next point that is worth a forward run."""
+"""One generation's candidates: each strategy is a way to find the next point that is worth a forward run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.search.acceleration.arms import Arm, Local, Plain, Surface, Trust
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.knowledge import Knowledge
 from geoswarm.solver.search.acceleration.local_models import (
@@ -17,9 +16,10 @@ from geoswarm.solver.search.acceleration.local_models import (
     quadratic_point,
 )
 from geoswarm.solver.search.acceleration.residual_surface import Components, CubicSurface, ResidualSurface, minimise
+from geoswarm.solver.search.acceleration.strategies import Local, Plain, Strategy, Surface, Trust
 from geoswarm.solver.search.acceleration.trust_region import TrustRegion, missing_direction
 
-__all__ = ["Arms"]
+__all__ = ["Strategies"]
 
 _RANDOM_STARTS, _STARTS = 64, 14
 _CENTRES, _APART, _SCALAR_APART = 4, 0.25, 0.08
@@ -33,7 +33,7 @@ _PULLED_BACK = (1.0, 0.7, 0.5, 0.3, 0.1)  # parts of a step that are tried where
 
 
 @dataclass
-class Arms:
+class Strategies:
     """Ways to propose; ``take`` gives the next point of one of them, or None. Points taken are remembered.
 
     The first ``out`` of them were taken for a generation whose results are not known yet.
@@ -68,15 +68,15 @@ class Arms:
         self._bases = known.points[best[:8]]
         self._centres = self._spread_out(best)
 
-    def take(self, arm: Arm) -> FloatArray | None:
-        """Return the next point of an arm."""
-        point = self._point(arm)
+    def take(self, strategy: Strategy) -> FloatArray | None:
+        """Return the next point of a strategy."""
+        point = self._point(strategy)
         if point is not None:
             self.taken.append(point)
         return point
 
-    def _point(self, arm: Arm) -> FloatArray | None:
-        match arm:
+    def _point(self, strategy: Strategy) -> FloatArray | None:
+        match strategy:
             case Surface(compression):
                 return self._surface_minimum(compression)
             case Local(model, centre, reach):

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.arms import BEGIN_PATTERN, DESCENT_PATTERN, POISE, Pattern
-from geoswarm.solver.search.acceleration.candidates import Arms
+from geoswarm.solver.search.acceleration.candidates import Strategies
+from geoswarm.solver.search.acceleration.strategies import BEGIN_PATTERN, DESCENT_PATTERN, POISE, Pattern
 from geoswarm.solver.search.acceleration.trust_region import BEGUN, SETTLED, TrustRegion
 
 __all__ = ["Descent", "base_of_simplex", "next_of_descent", "simplex"]
@@ -29,46 +29,46 @@ _SHORT, _SHORTENED = 0.05, 0.3  # a step of so few half widths narrows the box b
 
 @dataclass(frozen=True, slots=True)
 class Descent:
-    """The trust region of the next generation, the arms that take turns in it, and the minimum that is left, if any."""
+    """The trust region of the next generation, the strategies that alternate in it, and the minimum left, if any."""
 
     region: TrustRegion
     pattern: Pattern
     left: FloatArray | None = None
 
 
-def next_of_descent(arms: Arms, count: int) -> Descent:
-    """Return how the descent goes on after ``count`` runs; the trust region of the arms is narrowed on the way."""
-    known = arms.knowledge
-    lacking = known.points.shape[1] + 1 - int((known.numbers >= arms.region.since).sum())
+def next_of_descent(strategies: Strategies, count: int) -> Descent:
+    """Return the next part of the descent after ``count`` runs; this narrows the trust region of the strategies."""
+    known = strategies.knowledge
+    lacking = known.points.shape[1] + 1 - int((known.numbers >= strategies.region.since).sum())
     if lacking > 0:
-        if arms.region.since:
-            return Descent(arms.region, BEGIN_PATTERN)
-        return Descent(arms.region, (POISE,) * max(lacking - arms.out, 0) + DESCENT_PATTERN)
-    while arms.region.radius >= SETTLED:
-        if arms.centre is None or not known.open[arms.first]:  # come down into a finished basin
+        if strategies.region.since:
+            return Descent(strategies.region, BEGIN_PATTERN)
+        return Descent(strategies.region, (POISE,) * max(lacking - strategies.out, 0) + DESCENT_PATTERN)
+    while strategies.region.radius >= SETTLED:
+        if strategies.centre is None or not known.open[strategies.first]:  # come down into a finished basin
             return Descent(TrustRegion(since=count), BEGIN_PATTERN)
-        if arms.region.missed:
-            if arms.missing() is not None:
-                return Descent(arms.region, (POISE, *DESCENT_PATTERN))
-            arms.region = arms.region.narrower()
+        if strategies.region.missed:
+            if strategies.missing() is not None:
+                return Descent(strategies.region, (POISE, *DESCENT_PATTERN))
+            strategies.region = strategies.region.narrower()
             continue
-        gain, length = arms.promise()
-        radius = arms.region.radius
-        above = known.objectives[arms.centre] * (1.0 - gain) > known.objectives[0]
+        gain, length = strategies.promise()
+        radius = strategies.region.radius
+        above = known.objectives[strategies.centre] * (1.0 - gain) > known.objectives[0]
         if above and gain < _LEAST_GAIN_ABOVE and radius < _SMALL_ABOVE:
             break
-        if gain < (_LEAST_GAIN_OF_BEST if arms.first == 0 else _LEAST_GAIN):
-            if radius < _SMALL and arms.missing() is None:
+        if gain < (_LEAST_GAIN_OF_BEST if strategies.first == 0 else _LEAST_GAIN):
+            if radius < _SMALL and strategies.missing() is None:
                 break
-            arms.region = replace(arms.region, missed=True)
+            strategies.region = replace(strategies.region, missed=True)
             continue
         if length < _SHORT * radius:
-            arms.region = replace(arms.region, radius=max(_SHORTENED * radius, 2.0 * length))
-        if not known.open.all() and arms.step(None, 1.0) is None:  # all of it leads into a finished basin
-            arms.region = arms.region.narrower()
+            strategies.region = replace(strategies.region, radius=max(_SHORTENED * radius, 2.0 * length))
+        if not known.open.all() and strategies.step(None, 1.0) is None:  # all of it leads into a finished basin
+            strategies.region = strategies.region.narrower()
             continue
-        return Descent(arms.region, DESCENT_PATTERN)
-    return Descent(TrustRegion(since=count), BEGIN_PATTERN, known.points[arms.first])
+        return Descent(strategies.region, DESCENT_PATTERN)
+    return Descent(TrustRegion(since=count), BEGIN_PATTERN, known.points[strategies.first])
 
 
 def base_of_simplex(

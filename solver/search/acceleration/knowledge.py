@@ -1,4 +1,4 @@
-"""What the arms learn from: the runs that models are fitted to, and where nothing new is to be found."""
+"""What the strategies learn from: the runs that models are fitted to, and where nothing new is to be found."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _BEST_POINTS, _OPEN_POINTS, _SPREAD_POINTS = 60, 40, 40  # that a surface is fit
 
 @dataclass(frozen=True, slots=True)
 class Knowledge:
-    """What the arms learn from: successful evaluations, best first, and where nothing new is to be found.
+    """What the strategies learn from: successful evaluations, best first, and where nothing new is to be found.
 
     Parameters
     ----------

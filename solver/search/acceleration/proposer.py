@@ -1,8 +1,8 @@
 """Re-aims some particles of a generation at points that all runs so far make promising.
 
-The proposer goes through a pattern of arms and takes one point from each until its share of the generation is used;
-the other particles fly on as a textbook swarm. Its share shrinks while its proposals do not pay and grows when they do;
-where residuals are known it aims all particles, and a trust region tells how far (``descending``).
+The proposer goes through a pattern of strategies and takes one point from each until its share of the generation is
+used; the other particles move as in a textbook swarm. Its share shrinks while its proposals do not pay and grows when
+they do; where residuals are known it aims all particles, and a trust region tells how far (``descending``).
 It is a pure function of the seed, the generation, the history and its own JSON-able state.
 """
 
@@ -14,7 +14,15 @@ from dataclasses import replace
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.search.acceleration.arms import (
+from geoswarm.solver.search.acceleration.basins import Basins
+from geoswarm.solver.search.acceleration.candidates import Strategies
+from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
+from geoswarm.solver.search.acceleration.descending import base_of_simplex, next_of_descent, simplex
+from geoswarm.solver.search.acceleration.knowledge import Knowledge, selection
+from geoswarm.solver.search.acceleration.polishing import Polishing
+from geoswarm.solver.search.acceleration.proposer_state import MOST_SHARE, Later, ProposerState
+from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.acceleration.strategies import (
     BEGIN_PATTERN,
     COVARIANCE,
     DESCENT_PATTERN,
@@ -27,18 +35,10 @@ from geoswarm.solver.search.acceleration.arms import (
     SCALAR_PATTERN,
     STEP,
     VECTOR_PATTERN,
-    Arm,
     Pattern,
+    Strategy,
     polish_pattern,
 )
-from geoswarm.solver.search.acceleration.basins import Basins
-from geoswarm.solver.search.acceleration.candidates import Arms
-from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
-from geoswarm.solver.search.acceleration.descending import base_of_simplex, next_of_descent, simplex
-from geoswarm.solver.search.acceleration.knowledge import Knowledge, selection
-from geoswarm.solver.search.acceleration.polishing import Polishing
-from geoswarm.solver.search.acceleration.proposer_state import MOST_SHARE, Later, ProposerState
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.acceleration.trust_region import TrustRegion
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.randomness import proposer_generator
@@ -113,8 +113,8 @@ class Proposer:
     def split(self, count: int) -> None:
         """The first generation was asked together with the next one, which begins at particle ``count``."""
         state = self.state
-        later = {particle - count: arm for particle, arm in state.aimed.items() if particle >= count}
-        aimed = {particle: arm for particle, arm in state.aimed.items() if particle < count}
+        later = {particle - count: strategy for particle, strategy in state.aimed.items() if particle >= count}
+        aimed = {particle: strategy for particle, strategy in state.aimed.items() if particle < count}
         self.state = replace(state, aimed=aimed, later=Later(later, state.region.promised, count))
 
     def tell(self, runs: Runs, count: int) -> None:
@@ -128,7 +128,7 @@ class Proposer:
         with one_thread():
             state = self.state
             moves = self._tell_covariance(runs.positions[-count:], runs.objectives[-count:])
-            steps = [particle for particle, arm in state.aimed.items() if arm.startswith("trust")]
+            steps = [particle for particle, strategy in state.aimed.items() if strategy.startswith("trust")]
             every = self._unit(self._space.to_search(runs.positions))
             region = state.region.after(every, runs.objectives, count, steps, state.unseen)
             later = state.later or Later({}, None, 0)
@@ -204,7 +204,7 @@ class Proposer:
             basins = before  # it stays where it is
         failed = every[~runs.succeeded]
 
-        def arms_with(basins: Basins) -> Arms:
+        def strategies_with(basins: Basins) -> Strategies:
             open_ = basins.open_runs(known)
 
             def admissible(point: FloatArray) -> bool:
@@ -218,39 +218,39 @@ class Proposer:
             knowledge = Knowledge(
                 known, values, residuals, open_, every, admissible, self._snapped, self._space.integer, chosen
             )
-            return Arms(
+            return Strategies(
                 knowledge, proposer_generator(self._seed, generation), covariance, region, taken=[*out], out=len(out)
             )
 
-        arms = arms_with(basins)
-        hold_out = None if scalar or polishing else arms.unexplained
+        strategies = strategies_with(basins)
+        hold_out = None if scalar or polishing else strategies.unexplained
         share = 1.0 if polishing or descending else self._share(basins)
         slots = max(1, round(share * len(moved)))
         repeated = [i for i in worst_first[slots:].tolist() if self._repeats(moved[i], runs, taken_before)]
         if polishing:
             pattern = polish_pattern(len(moved))
         elif descending:
-            descent = next_of_descent(arms, len(every) + len(out))
+            descent = next_of_descent(strategies, len(every) + len(out))
             if descent.left is not None:
                 if self._polish:
                     self.leaving = True
                     return {}
                 basins = basins.left(descent.left)
-                arms = arms_with(basins)
-            arms.region, pattern = descent.region, descent.pattern
-            partly = pattern == BEGIN_PATTERN and self._partly(basins, arms.region, known.shape[1])
+                strategies = strategies_with(basins)
+            strategies.region, pattern = descent.region, descent.pattern
+            partly = pattern == BEGIN_PATTERN and self._partly(basins, strategies.region, known.shape[1])
             if order.size >= LATE * (known.shape[1] + 1) and len(moved) > NARROW:
                 pattern = {DESCENT_PATTERN: LATE_DESCENT_PATTERN, BEGIN_PATTERN: LATE_BEGIN_PATTERN}.get(
                     pattern, pattern
                 )
             if partly:
-                pattern = tuple(PARTLY if arm == FAR else arm for arm in pattern)
+                pattern = tuple(PARTLY if strategy == FAR else strategy for strategy in pattern)
         elif scalar:
             pattern = SCALAR_PATTERN
         else:
             pattern = self._whole_pattern(basins, generation)
-            pattern = tuple(arm for k, a in enumerate(pattern) for arm in ((a, STEP) if k % 3 == 1 else (a,)))
-        proposals = self._fill(arms, pattern, slots + len(repeated), 0 if descending else generation)
+            pattern = tuple(strategy for k, a in enumerate(pattern) for strategy in ((a, STEP) if k % 3 == 1 else (a,)))
+        proposals = self._fill(strategies, pattern, slots + len(repeated), 0 if descending else generation)
         # in particle order, so that the most promising runs come first where runs go one by one
         particles = sorted([*worst_first[:slots].tolist(), *repeated])
         aimed = dict(zip(particles, proposals, strict=False))
@@ -258,13 +258,13 @@ class Proposer:
             self.state,
             share=self.state.share if polishing else share,
             basins=basins,
-            covariance=None if arms.covariance is None else arms.covariance.state(),
+            covariance=None if strategies.covariance is None else strategies.covariance.state(),
             polishing=polishing,
             hold_out=hold_out,
-            region=replace(arms.region, promised=self.state.region.promised),
+            region=replace(strategies.region, promised=self.state.region.promised),
         )
-        names = {particle: str(arm) for particle, (arm, _) in aimed.items()}
-        self.state = self._asked(state, names, arms.promised, pending)
+        names = {particle: str(strategy) for particle, (strategy, _) in aimed.items()}
+        self.state = self._asked(state, names, strategies.promised, pending)
         return {particle: point for particle, (_, point) in aimed.items()}
 
     @staticmethod
@@ -276,20 +276,22 @@ class Proposer:
             return replace(state, aimed=aimed, region=replace(state.region, promised=promised), unseen=0)
         return replace(state, later=Later(aimed, promised, len(pending)))
 
-    def _fill(self, arms: Arms, pattern: Pattern, slots: int, generation: int) -> list[tuple[Arm, FloatArray]]:
-        # a generation shorter than the pattern goes on where the one before stopped, so that every arm has its turn
+    def _fill(
+        self, strategies: Strategies, pattern: Pattern, slots: int, generation: int
+    ) -> list[tuple[Strategy, FloatArray]]:
+        # a generation shorter than the pattern continues where the one before stopped: every strategy has its turn
         first = 0 if 2 * slots >= len(pattern) else (generation * slots) % len(pattern)
-        proposals: list[tuple[Arm, FloatArray]] = []
+        proposals: list[tuple[Strategy, FloatArray]] = []
         while len(proposals) < slots:
             before = len(proposals)
             for wanted in (*pattern[first:], *pattern[:first]):
                 if len(proposals) == slots:
                     break
-                arm, point = wanted, arms.take(wanted)
+                strategy, point = wanted, strategies.take(wanted)
                 if point is None:
-                    arm, point = NEAR, arms.take(NEAR)
+                    strategy, point = NEAR, strategies.take(NEAR)
                 if point is not None:
-                    proposals.append((arm, self._search(point)))
+                    proposals.append((strategy, self._search(point)))
             if len(proposals) == before:
                 break
         return proposals
@@ -304,7 +306,7 @@ class Proposer:
 
     @staticmethod
     def _whole_pattern(basins: Basins, generation: int) -> Pattern:
-        """Arms with whole numbers: after a restart the residuals have misled once, and every other generation trusts
+        """Strategies with whole numbers: after a restart the residuals have misled once, so every other generation uses
         the objective alone."""
         if basins.restarts:
             return RESTARTED_PATTERN if generation % 2 == 0 else SCALAR_PATTERN
@@ -323,8 +325,8 @@ class Proposer:
             return None
         moves = CovarianceMoves(self.state.covariance)
         points = self._unit(self._space.to_search(asked))
-        for particle, arm in self.state.aimed.items():
-            if arm == str(COVARIANCE):
+        for particle, strategy in self.state.aimed.items():
+            if strategy == str(COVARIANCE):
                 moves.tell(points[particle], float(objectives[particle]))
         return None if moves.exhausted else moves
 

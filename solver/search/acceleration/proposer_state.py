@@ -19,8 +19,8 @@ MOST_SHARE = 0.9
 class Later:
     """A generation that was asked while the one before it was out.
 
-    ``aimed``: the arm of each aimed particle; ``promised``: lowest objective that its steps promise; ``unseen``: number
-    of runs before it that were not known.
+    ``aimed``: the strategy of each aimed particle; ``promised``: lowest objective that its steps promise; ``unseen``:
+    number of runs before it that were not known.
     """
 
     aimed: Mapping[int, str]
@@ -29,7 +29,11 @@ class Later:
 
     def to_json(self) -> dict[str, Any]:
         """Return a JSON-able form that :meth:`from_json` restores exactly."""
-        return {"aimed": [[k, arm] for k, arm in self.aimed.items()], "promised": self.promised, "unseen": self.unseen}
+        return {
+            "aimed": [[k, strategy] for k, strategy in self.aimed.items()],
+            "promised": self.promised,
+            "unseen": self.unseen,
+        }
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Later:
@@ -41,8 +45,8 @@ class Later:
 class ProposerState:
     """What the proposer remembers between generations, besides the history.
 
-    ``share`` of the generation that it aims; ``aimed``: the arm of each aimed particle of the current one; ``later``:
-    what was asked ahead of its results, if anything;
+    ``share`` of the generation that it aims; ``aimed``: the strategy of each aimed particle of the current one;
+    ``later``: what was asked ahead of its results, if anything;
     ``covariance``: state of the covariance-adapting moves; ``polishing``: given when the end has begun; ``hold_out``:
     share of the residuals that the surface does not predict at runs left out, see :class:`ResidualSurface`.
     """
@@ -63,7 +67,7 @@ class ProposerState:
             {
                 "share": self.share,
                 "basins": self.basins.to_json(),
-                "aimed": [[particle, arm] for particle, arm in self.aimed.items()],
+                "aimed": [[particle, strategy] for particle, strategy in self.aimed.items()],
                 "covariance": self.covariance,
                 "polishing": None if self.polishing is None else self.polishing.to_json(),
                 "hold_out": self.hold_out,

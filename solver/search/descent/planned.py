@@ -12,10 +12,10 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.search.acceleration.runs import Runs, latest_residuals
 from geoswarm.solver.search.base import Snapshot
-from geoswarm.solver.search.descent.chains import Chain
 from geoswarm.solver.search.descent.descent import Descent
 from geoswarm.solver.search.descent.differences import DifferenceDesign, plan_differences
 from geoswarm.solver.search.descent.interval_ends import IntervalEnds, plan_from_residuals
+from geoswarm.solver.search.descent.profile_paths import ProfilePath
 from geoswarm.solver.search.descent.steps import FIRST_STEP, Moves, StepSearch
 from geoswarm.solver.search.one_thread import one_thread
 from geoswarm.solver.search.space import SearchSpace
@@ -175,13 +175,13 @@ class ProfileSearch:
         else:
             self.generation, self.objective = snapshot["generation"], snapshot["objective"]
             self.failed = snapshot["failed"]
-            self.chains = tuple(Chain.from_json(chain) for chain in snapshot["chains"])
+            self.chains = tuple(ProfilePath.from_json(chain) for chain in snapshot["chains"])
 
-    def _begin(self) -> tuple[Chain, ...]:
+    def _begin(self) -> tuple[ProfilePath, ...]:
         settings = self.settings
         unit = self.space.to_unit(settings.optimum)
         return tuple(
-            Chain.begin(
+            ProfilePath.begin(
                 index,
                 side,
                 unit,

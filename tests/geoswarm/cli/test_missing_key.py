@@ -8,10 +8,10 @@ import pytest
 
 from geoswarm.api import ApiSettings
 from geoswarm.cli import main
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import live_server
 
 
@@ -21,7 +21,7 @@ def test_the_option_and_the_variable_are_named(
     monkeypatch.delenv("GEOSWARM_API_KEY", raising=False)
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db", workers=1)
     store = Store(settings)
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     try:
         with live_server(service, ApiSettings(require_key=True)) as server:
             assert main(["list", "--url", server.url]) == 2

@@ -15,10 +15,10 @@ from geoswarm.cli.serve import refuse_open_door
 from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.access.keys import KEY_PATTERN, ApiKeys
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import line_problem
 from tests.integration.engines import PATIENCE, wait_for
 
@@ -86,7 +86,7 @@ def test_a_broker_or_other_machines_need_a_key_in_the_database(url: str) -> None
 
 def test_prune_every_stays_until_it_is_stopped(url: str) -> None:
     store = Store(Settings(database_url=url))
-    service = JobService(store, MuteDoorbell())
+    service = JobService(store, NoWaker())
 
     def ended(name: str) -> str:
         job = service.submit(parse_problem(line_problem(name=name)))[0].id
@@ -126,7 +126,7 @@ def test_prune_every_refuses(options: list[str], said: str, url: str, capsys: py
 
 def test_prune_shows_first_and_then_deletes(url: str, capsys: pytest.CaptureFixture[str]) -> None:
     store = Store(Settings(database_url=url))
-    service = JobService(store, MuteDoorbell())
+    service = JobService(store, NoWaker())
     old = service.submit(parse_problem(line_problem(name="old")))[0].id
     service.cancel(old)
     service.submit(parse_problem(line_problem(name="open")))

@@ -34,11 +34,11 @@ from geoswarm.client import Event, Job
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.hosts.engine import Engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.waker import NoWaker
 from tests.api.conftest import BROKEN, LiveServer, line_problem, live_server, wait_until
 from tests.integration.engines import PATIENCE
 
@@ -235,7 +235,7 @@ def test_events_give_up_after_patience(free_port: int) -> None:
 def test_a_service_without_its_database_is_a_server_error(tmp_path: Path) -> None:
     settings = Settings(database_url=f"sqlite:///{tmp_path}/jobs.db")
     store = Store(settings)
-    service = JobService(store, MuteDoorbell(), settings)
+    service = JobService(store, NoWaker(), settings)
     with live_server(service) as server, Client(server.url) as client:
         job = client.submit(line_problem())
         store.write(lambda connection: connection.exec_driver_sql("drop table evaluations"))

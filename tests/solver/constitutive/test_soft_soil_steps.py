@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoswarm.solver.element_test.legs import point_under
+from geoswarm.solver.element_test.load_paths import point_under
 from geoswarm.solver.laws.registry import find_law
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep, equivalent_pressure, soft_soil_creep
 from geoswarm.solver.element_test.axial import confined_load, lateral_limits
+from geoswarm.solver.element_test.boundary_conditions import Stage
 from geoswarm.solver.element_test.constant_load import FAILED_SOIL, FINISHED, constant_load_history
-from geoswarm.solver.element_test.controls import Stage
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import confined_load as load_stage
 from geoswarm.verification.specimens.soils import creep_law, creep_point

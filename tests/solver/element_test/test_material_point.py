@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
-from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.material_point import follow
 from geoswarm.solver.element_test.setups import (
     confined_load,

@@ -17,7 +17,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.constitutive.tensors import rotation_matrix
-from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.mixed_step import mixed_step
 from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction

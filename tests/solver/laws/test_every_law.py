@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Law

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.tensors import rotation_matrix
-from geoswarm.solver.element_test.controls import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change, stress_value
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import isotropic_load
 from geoswarm.solver.errors import DivergedError, InfeasibleError

@@ -16,7 +16,7 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.evaluator import BuildError, NeverMind, RunLimits
+from geoswarm.solver.runner.evaluator import BuildError, EvaluationCancelled, RunLimits
 from geoswarm.solver.runner.runner import Runner, _EndedError, _SpoiledError
 from geoswarm.solver.runner.shared_state import Progress
 from geoswarm.solver.runner.wire import Outcome
@@ -113,7 +113,7 @@ def test_a_process_that_ends_anywhere_is_blamed_on_no_answered_evaluation(
                 case "spoiled":
                     raise _SpoiledError(noted)
                 case _:
-                    raise NeverMind(noted)
+                    raise EvaluationCancelled(noted)
 
     monkeypatch.setattr(Runner, "_batch", batch)
     made = Runner()
@@ -121,8 +121,8 @@ def test_a_process_that_ends_anywhere_is_blamed_on_no_answered_evaluation(
     killed: int | None = None
     try:
         for outcome in made.run("job", calibration, asked, LIMITS):
-            outcomes.append(outcome)  # noqa: PERF402  those before a NeverMind count
-    except NeverMind as end:
+            outcomes.append(outcome)  # noqa: PERF402  those before a EvaluationCancelled count
+    except EvaluationCancelled as end:
         killed = end.index
     finally:
         made.close()

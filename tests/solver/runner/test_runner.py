@@ -14,7 +14,7 @@ import pytest
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.evaluator import NeverMind, RunLimits
+from geoswarm.solver.runner.evaluator import EvaluationCancelled, RunLimits
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.solver.system.processes import descendants
 from tests.integration.engines import process_exists, wait_for
@@ -143,7 +143,7 @@ def test_an_unwanted_evaluation_is_killed_after_its_grace(runner: Runner, tmp_pa
         return 0.3
 
     outcomes = runner.run("job", made, positions(-1, 1), RunLimits(), unwanted=unwanted)
-    with pytest.raises(NeverMind) as caught:
+    with pytest.raises(EvaluationCancelled) as caught:
         list(outcomes)
     assert caught.value.index == 1
     assert time.monotonic() - told[0] >= 0.3

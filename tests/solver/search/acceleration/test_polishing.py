@@ -10,8 +10,8 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.search.acceleration.arms import PROBE, Local, polish_pattern
 from geoswarm.solver.search.acceleration.polishing import Polishing
+from geoswarm.solver.search.acceleration.strategies import PROBE, Local, polish_pattern
 from tests.solver.problems import decay_document
 
 POLISHED = {"kind": "particle_swarm", "particles": 10, "polish": True}
@@ -76,7 +76,7 @@ def test_it_ends_when_two_generations_gain_nothing_or_after_ten() -> None:
 
 def test_half_of_a_polishing_generation_are_steps() -> None:
     assert polish_pattern(2) == (Local("quadratic", 0, 1), PROBE)
-    arms = polish_pattern(12)
-    assert len(arms) == 12
-    assert sum(arm != PROBE for arm in arms) == 3
+    strategies = polish_pattern(12)
+    assert len(strategies) == 12
+    assert sum(strategy != PROBE for strategy in strategies) == 3
     assert polish_pattern(4)[:2] == (Local("quadratic", 0, 1), Local("quadratic", 0, 0.3))

@@ -123,17 +123,19 @@ def waves(frequency: float) -> Callable[[FloatArray], FloatArray]:
     return lambda at: np.asarray(np.sin(frequency * at.sum(axis=1)[:, None] * x) - 0.5)
 
 
-def arms_of(space: SearchSpace, known: Runs) -> tuple[ProposerState, dict[str, FloatArray]]:
-    """The state after one generation of ten, and its aimed points (natural values) by arm."""
+def strategies_of(space: SearchSpace, known: Runs) -> tuple[ProposerState, dict[str, FloatArray]]:
+    """The state after one generation of ten, and its aimed points (natural values) by strategy."""
     proposer, moved = Proposer(space, 1), np.array([space.draw(particle_generator(5, 1, i)) for i in range(10)])
     aimed = proposer.propose(1, moved, np.arange(10), known)
-    return proposer.state, {arm: space.to_natural(aimed[particle]) for particle, arm in proposer.state.aimed.items()}
+    return proposer.state, {
+        strategy: space.to_natural(aimed[particle]) for particle, strategy in proposer.state.aimed.items()
+    }
 
 
 @pytest.mark.parametrize(("frequency", "misled"), [(0.1, False), (60.0, True)])
 def test_the_hold_out_tells_where_the_surface_predicts_worse_than_the_mean(frequency: float, misled: bool) -> None:
     space = box(3, 0.0, 1.0)
-    state, _ = arms_of(space, runs(space, 22, waves(frequency)))
+    state, _ = strategies_of(space, runs(space, 22, waves(frequency)))
     assert state.hold_out is not None
     assert (state.hold_out > 1.0) == misled
 
@@ -141,13 +143,17 @@ def test_the_hold_out_tells_where_the_surface_predicts_worse_than_the_mean(frequ
 @pytest.mark.parametrize("frequency", [0.1, 60.0])
 def test_after_many_runs_the_surface_is_searched_around_the_best_that_lie_apart(frequency: float) -> None:
     space, wave = box(3, 0.0, 1.0), waves(frequency)
-    assert not any(arm.startswith("around") for arm in arms_of(space, runs(space, 20, wave))[1])
+    assert not any(strategy.startswith("around") for strategy in strategies_of(space, runs(space, 20, wave))[1])
     known = runs(space, 60, wave)
     best = known.positions[np.argsort(known.objectives)]
     apart = best[np.abs(best - best[0]).max(axis=1) > 0.25]
-    _, arms = arms_of(space, known)
+    _, strategies = strategies_of(space, known)
     for number, centre in enumerate((best[0], apart[0])):
-        reaches = {float(arm.split(":")[2]): at for arm, at in arms.items() if arm.startswith(f"around:{number}")}
+        reaches = {
+            float(strategy.split(":")[2]): at
+            for strategy, at in strategies.items()
+            if strategy.startswith(f"around:{number}")
+        }
         assert set(reaches) == {0.03, 0.1}
         for reach, at in reaches.items():
             assert 0.0 < np.abs(at - centre).max() <= reach + 1e-12
@@ -159,7 +165,7 @@ def test_points_along_a_valley_are_low_and_far_from_all_good_runs() -> None:
 
     at = np.random.default_rng(1).random((80, 2))
     known = at[(at[:, 0] < 0.5) | (np.abs(bent(at)[:, 0]) > 0.15)]  # nothing good on the right
-    point = arms_of(box(2, 0.0, 1.0), Runs.of(known, bent(known)))[1]["valley"]
+    point = strategies_of(box(2, 0.0, 1.0), Runs.of(known, bent(known)))[1]["valley"]
     assert point[0] > 0.6
     assert abs(bent(point[None])[0, 0]) < 0.1
 

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import pytest
 from sqlalchemy import text
 
-from geoswarm.workers.doorbell import MuteDoorbell
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.event_bell import EventBell
+from geoswarm.workers.store.event_listener import EventListener
+from geoswarm.workers.waker import NoWaker
 from tests.integration.engines import wait_for
 from tests.workers.problems import line
 
@@ -32,33 +32,33 @@ def listeners(store: Store) -> list[int]:
 
 def test_it_rings_when_events_are_committed_and_after_a_lost_connection(postgres_store: Store) -> None:
     rung = threading.Event()
-    bell = EventBell(postgres_store, rung.set)
-    service = JobService(postgres_store, MuteDoorbell())
-    bell.start()
+    listener = EventListener(postgres_store, rung.set)
+    service = JobService(postgres_store, NoWaker())
+    listener.start()
     try:
-        wait_for(lambda: bell.live and rung.is_set(), "a bell that listens")
+        wait_for(lambda: listener.live and rung.is_set(), "a listener that listens")
         rung.clear()
         job = service.submit(line())[0].id
         wait_for(rung.is_set, "a ring for the new job")
         (pid,) = listeners(postgres_store)
         rung.clear()
         postgres_store.write(lambda connection: connection.execute(text(f"SELECT pg_terminate_backend({pid})")))
-        wait_for(lambda: listeners(postgres_store) not in ([], [pid]) and bell.live, "another connection")
+        wait_for(lambda: listeners(postgres_store) not in ([], [pid]) and listener.live, "another connection")
         wait_for(rung.is_set, "a ring for what may have come in between")
         rung.clear()
         service.cancel(job)
         wait_for(rung.is_set, "a ring for the cancelled job")
     finally:
-        bell.stop()
+        listener.stop()
     wait_for(lambda: not listeners(postgres_store), "the end of listening")
-    assert not bell.live
+    assert not listener.live
 
 
 def test_where_the_database_cannot_tell_it_is_never_live(store: Store) -> None:
-    bell = EventBell(store, lambda: None)
-    bell.start()
+    listener = EventListener(store, lambda: None)
+    listener.start()
     on_postgres = store.engine.dialect.name == "postgresql"
     if on_postgres:
-        wait_for(lambda: bell.live, "a bell that listens")
-    assert bell.live is on_postgres
-    bell.stop()
+        wait_for(lambda: listener.live, "a listener that listens")
+    assert listener.live is on_postgres
+    listener.stop()

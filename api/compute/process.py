@@ -24,13 +24,13 @@ from geoswarm.environment import without_secrets
 from geoswarm.solver.system.environment import numerics
 from geoswarm.solver.system.processes import child_program, descendants, kill_session, memory_of
 
-__all__ = ["PRINCIPAL_HEADER", "ROUTE_HEADER", "EndedError", "HeavyProcess"]
+__all__ = ["PRINCIPAL_HEADER", "ROUTE_HEADER", "EndedError", "ComputeProcess"]
 
 log = logging.getLogger(__name__)
 
 PRINCIPAL_HEADER = "x-geoswarm-principal"
 ROUTE_HEADER = "x-geoswarm-route"  # of the answer: the template of the route that answered
-BOOTSTRAP = child_program("geoswarm.api.heavy_program")
+BOOTSTRAP = child_program("geoswarm.api.compute_program")
 START_SECONDS = 120.0
 WATCH_SECONDS = 0.1
 GONE = frozenset(
@@ -47,19 +47,19 @@ class EndedError(Exception):
     """The process ended, by itself or because it had to, before it had answered."""
 
 
-class HeavyProcess:
+class ComputeProcess:
     """A process that answers one request at a time.
 
     Parameters
     ----------
     given
-        What its program needs, see :func:`geoswarm.api.heavy_program.main`.
+        What its program needs, see :func:`geoswarm.api.compute_program.main`.
     descriptors
         What it inherits.
     """
 
     def __init__(self, given: Mapping[str, Any], descriptors: tuple[int, ...]) -> None:
-        self._folder = Path(tempfile.mkdtemp(prefix="geoswarm-heavy-"))
+        self._folder = Path(tempfile.mkdtemp(prefix="geoswarm-compute-"))
         address = str(self._folder / "socket")
         self.job: str | None = None
         """The job that it was asked about last: it remembers what it has read of it."""
@@ -97,7 +97,7 @@ class HeavyProcess:
         deadline = time.monotonic() + START_SECONDS
         while time.monotonic() < deadline and self.alive:
             with contextlib.suppress(httpx.TransportError):
-                await self._client.get("http://heavy/health/live", timeout=2.0)
+                await self._client.get("http://compute/health/live", timeout=2.0)
                 return
             await asyncio.sleep(0.05)
         raise EndedError(f"it did not start within {START_SECONDS:g} s")
@@ -111,7 +111,7 @@ class HeavyProcess:
         """
         query = scope.get("query_string", b"")
         path = scope.get("raw_path") or scope["path"].encode()
-        url = httpx.URL(scheme="http", host="heavy", raw_path=path + (b"?" + query if query else b""))
+        url = httpx.URL(scheme="http", host="compute", raw_path=path + (b"?" + query if query else b""))
         headers = [(name, value) for name, value in scope["headers"] if name.lower() not in GONE]
         headers.append((PRINCIPAL_HEADER.encode(), principal.encode()))
         request = self._client.build_request(scope["method"], url, headers=headers, content=body)

@@ -18,7 +18,7 @@ from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import counters
 
-__all__ = ["BUCKETS", "Tally", "read_counters", "tally"]
+__all__ = ["BUCKETS", "Counters", "read_counters", "process_counters"]
 
 BUCKETS: Sequence[float] = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 3600.0)
 """Upper limits of the classes of seconds per run [s]; the last class has none."""
@@ -27,7 +27,7 @@ _BUCKET_LABELS = tuple(f"{limit:g}" for limit in BUCKETS)
 MOST_LABELS = 40
 
 
-class Tally:
+class Counters:
     """Counters of one process; safe to use from several threads."""
 
     def __init__(self) -> None:
@@ -72,7 +72,7 @@ class Tally:
             raise
 
 
-tally = Tally()
+process_counters = Counters()
 """The one of this process."""
 
 

@@ -5,40 +5,40 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-from geoswarm.api.heavy.process import EndedError, HeavyProcess
+from geoswarm.api.compute.process import ComputeProcess, EndedError
 from geoswarm.api.settings import ApiSettings
-from geoswarm.workers.hosts.embedded import PipeDoorbell
+from geoswarm.workers.hosts.embedded import PipeWaker
 from geoswarm.workers.service.job_service import JobService
 
-__all__ = ["HeavyPool"]
+__all__ = ["ComputePool"]
 
 log = logging.getLogger(__name__)
 
 
-class HeavyPool:
+class ComputePool:
     """Makes processes when they are needed and keeps them; whoever takes one has it alone.
 
     Parameters
     ----------
     service
-        Its settings and doorbell are what the processes work with, too.
+        Its settings and waker are what the processes work with, too.
     """
 
     def __init__(self, service: JobService, settings: ApiSettings) -> None:
         ends: tuple[int, ...] = ()
-        if isinstance(service.doorbell, PipeDoorbell):
-            ends = (service.doorbell.read_end, service.doorbell.write_end)
+        if isinstance(service.waker, PipeWaker):
+            ends = (service.waker.read_end, service.waker.write_end)
         self._descriptors = ends
         self._given: dict[str, Any] = {
             "settings": service.settings.model_dump(),
-            "doorbell": ends,
+            "waker": ends,
             "log_level": logging.getLogger().getEffectiveLevel(),
         }
         self.settings = settings
-        self._idle: list[HeavyProcess] = []
-        self._all: set[HeavyProcess] = set()
+        self._idle: list[ComputeProcess] = []
+        self._all: set[ComputeProcess] = set()
         # The first one loads what it needs while the service does the same.
-        self._first: HeavyProcess | None = HeavyProcess(self._given, self._descriptors)
+        self._first: ComputeProcess | None = ComputeProcess(self._given, self._descriptors)
 
     @property
     def busy(self) -> int:
@@ -52,7 +52,7 @@ class HeavyPool:
         except EndedError as error:
             log.warning("the first process for requests that calculate %s", error)
 
-    async def take(self, job: str | None) -> HeavyProcess:
+    async def take(self, job: str | None) -> ComputeProcess:
         """Return a process that is ready, if possible one that knows the job.
 
         Raises
@@ -68,7 +68,7 @@ class HeavyPool:
                 process.job = job
                 return process
             await self.discard(process)
-        process = self._first or HeavyProcess(self._given, self._descriptors)
+        process = self._first or ComputeProcess(self._given, self._descriptors)
         self._first = None
         self._all.add(process)
         try:
@@ -79,11 +79,11 @@ class HeavyPool:
         process.job = job
         return process
 
-    def put_back(self, process: HeavyProcess) -> None:
+    def put_back(self, process: ComputeProcess) -> None:
         """Give it to whoever asks next."""
         self._idle.append(process)
 
-    async def discard(self, process: HeavyProcess) -> None:
+    async def discard(self, process: ComputeProcess) -> None:
         """End a process that will not be asked again."""
         self._all.discard(process)
         await process.close()

@@ -1,4 +1,4 @@
-"""Legs of a material point's way: a movement of its controls or a hold, and the path that it takes along one."""
+"""Load paths of a material point: a movement of its controls or a hold, and the states along it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
 
 __all__ = [
-    "Leg",
+    "LoadPath",
     "Path",
     "PointState",
     "between",
-    "follow_leg",
+    "follow_load_path",
     "point_in_words",
     "point_under",
     "share_of",
@@ -62,7 +62,7 @@ def point_under(stress: Sequence[float] | FloatArray, soil: Soil) -> PointState:
 
 
 @dataclass(frozen=True)
-class Leg:
+class LoadPath:
     """A movement of n controls at constant rate, or a hold.
 
     Parameters
@@ -70,11 +70,11 @@ class Leg:
     name
         For messages.
     stress_rows, strain_rows
-        Shapes (n, n): each control is a combination of stress plus one of the strain since the beginning of the leg.
-        Those without stress are numbers, the others kPa.
+        Shapes (n, n): each control is a combination of stress plus one of the strain since the beginning of the load
+        path. Those without stress are numbers, the others kPa.
     goal
-        (n,): values at the end of the leg. Of a control without stress this is a change of strain. nan: the value that
-        it has at the beginning.
+        (n,): values at the end of the load path. Of a control without stress this is a change of strain. nan: the value
+        at the beginning.
     duration
         Day; 0: an instantaneous movement.
     hold
@@ -97,11 +97,11 @@ class Leg:
 
 @dataclass(frozen=True)
 class Path:
-    """The path along one leg: steps with their ends and middles, and a parabola through each.
+    """The states along one load path: steps with their ends and middles, and a parabola through each.
 
-    ``places`` (k, 4): beginning and end of each step as fractions of the leg, ln(theta/day) and length in logarithmic
-    time of a hold (theta nan: a movement); ``middles`` (k, m) and ``ends`` (k + 1, m): stress, strain and state
-    variables in a row, the first of ``ends`` being the beginning of the leg.
+    ``places`` (k, 4): beginning and end of each step as fractions of the load path, ln(theta/day) and length in
+    logarithmic time of a hold (theta nan: a movement); ``middles`` (k, m) and ``ends`` (k + 1, m): stress, strain and
+    state variables in a row, the first of ``ends`` being the beginning of the load path.
     """
 
     duration: float
@@ -111,7 +111,7 @@ class Path:
     components: int
 
     def at(self, fractions: FloatArray) -> FloatArray:
-        """Stress, strain and state variables, (q, m), at fractions (q,) of the leg, from 0 to 1."""
+        """Stress, strain and state variables, (q, m), at fractions (q,) of the load path, from 0 to 1."""
         if not self.places.shape[0]:
             return np.repeat(self.ends[:1], fractions.size, axis=0)
         step = np.minimum(np.searchsorted(self.places[:, 1], fractions, side="left"), self.places.shape[0] - 1)
@@ -124,13 +124,13 @@ class Path:
 
     @property
     def end(self) -> PointState:
-        """State at the end of the leg."""
+        """State at the end of the load path."""
         n, last = self.components, self.ends[-1]
         return PointState(last[:n].copy(), last[n : 2 * n].copy(), last[2 * n :].copy())
 
 
 def share_of(places: FloatArray, duration: FloatArray, fractions: FloatArray) -> FloatArray:
-    """Part of its step (q,), from 0 to 1, that lies before each fraction (q,) of a leg of ``duration`` (q,), day.
+    """Part of its step (q,), from 0 to 1, that lies before each fraction (q,) of a load path of ``duration`` (q,), day.
 
     ``places`` (q, 4): the step of each, as in a path.
     """
@@ -160,7 +160,7 @@ def point_in_words(stress: FloatArray, strain: FloatArray) -> str:
     return f"at normal stresses {stresses} kPa and strains {strains} (x, y, z)"
 
 
-def _elastic_guess(leg: Leg, change: FloatArray, soil: Soil, state: PointState) -> FloatArray:
+def _elastic_guess(load_path: LoadPath, change: FloatArray, soil: Soil, state: PointState) -> FloatArray:
     """Strain (n,) of a movement of the controls by ``change`` (n,), were the soil elastic.
 
     Where a soil that softens is unloaded by stress, going on to yield is a solution, too: the first guess decides.
@@ -170,13 +170,17 @@ def _elastic_guess(leg: Leg, change: FloatArray, soil: Soil, state: PointState) 
     stiffness = np.diag([2.0 * shear] * 3 + [shear] * (n - 3))
     stiffness[:3, :3] += bulk - 2.0 / 3.0 * shear
     try:
-        return np.asarray(np.linalg.solve(leg.stress_rows @ stiffness + leg.strain_rows, change), np.float64)
+        return np.asarray(
+            np.linalg.solve(load_path.stress_rows @ stiffness + load_path.strain_rows, change), np.float64
+        )
     except np.linalg.LinAlgError:
         return np.zeros(n)
 
 
-def follow_leg(soil: Soil, leg: Leg, state: PointState, tolerance: float, *, dense: bool = True) -> Path:
-    """Follow a leg with error-controlled steps.
+def follow_load_path(
+    soil: Soil, load_path: LoadPath, state: PointState, tolerance: float, *, dense: bool = True
+) -> Path:
+    """Follow a load path with error-controlled steps.
 
     Parameters
     ----------
@@ -190,17 +194,17 @@ def follow_leg(soil: Soil, leg: Leg, state: PointState, tolerance: float, *, den
     Raises
     ------
     DivergedError
-        No step was found, for instance because a load is above the strength; names the leg, the place in it, stress
-        and strain there.
+        No step was found, for instance because a load is above the strength; names the load path, the place in it,
+        stress and strain there.
     """
-    law, constants, duration, n = soil.law, soil.constants, leg.duration, state.stress.size
-    of_stress = leg.of_stress
-    start = leg.stress_rows @ state.stress
-    goal = start if leg.hold else np.where(np.isnan(leg.goal), start, leg.goal)
-    controls = (leg.stress_rows, leg.strain_rows, of_stress, start, goal)
+    law, constants, duration, n = soil.law, soil.constants, load_path.duration, state.stress.size
+    of_stress = load_path.of_stress
+    start = load_path.stress_rows @ state.stress
+    goal = start if load_path.hold else np.where(np.isnan(load_path.goal), start, load_path.goal)
+    controls = (load_path.stress_rows, load_path.strain_rows, of_stress, start, goal)
     stress, strain, internal = state.stress.copy(), np.zeros(n), state.internal.copy()
-    guess = np.zeros(n) if leg.hold else _elastic_guess(leg, goal - start, soil, state)
-    now, length = 0.0, _FIRST_HOLD if leg.hold else _FIRST_MOVE
+    guess = np.zeros(n) if load_path.hold else _elastic_guess(load_path, goal - start, soil, state)
+    now, length = 0.0, _FIRST_HOLD if load_path.hold else _FIRST_MOVE
     log_duration = math.log(duration) if duration > 0.0 else -math.inf
     of_state, of_strain = law.state_weights(constants) / tolerance, np.full(n, 1.0 / tolerance)
     if law.discrete is not None:
@@ -209,8 +213,8 @@ def follow_leg(soil: Soil, leg: Leg, state: PointState, tolerance: float, *, den
     steps = 0
     while now < 1.0:
         log_theta = math.nan
-        scale = law.log_time_scale(stress, internal, constants) if leg.hold else None
-        if leg.hold:
+        scale = law.log_time_scale(stress, internal, constants) if load_path.hold else None
+        if load_path.hold:
             log_theta = log_duration if scale is None else float(scale)
         p = float(stress[:3].mean())
         bulk = law.elastic_moduli(constants, p)[0]
@@ -242,7 +246,7 @@ def follow_leg(soil: Soil, leg: Leg, state: PointState, tolerance: float, *, den
         if outcome == NO_STEP or (outcome != DONE and steps > _MOST_STEPS):
             where = f"{now * duration:.6g} day after its beginning" if duration else f"at {now:.2%} of its load"
             raise DivergedError(
-                f"stage {leg.name}: no solution {where}, {point_in_words(stress, state.strain + strain)}"
+                f"stage {load_path.name}: no solution {where}, {point_in_words(stress, state.strain + strain)}"
             )
     first = np.concatenate([state.stress, np.zeros(n), state.internal])[np.newaxis]
     places, middles = (np.concatenate([piece[i] for piece in pieces]) for i in (0, 1))

@@ -15,20 +15,20 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.app import create_app
-from geoswarm.api.heavy.process import PRINCIPAL_HEADER, ROUTE_HEADER
+from geoswarm.api.compute.process import PRINCIPAL_HEADER, ROUTE_HEADER
 from geoswarm.solver.system.processes import go_first_without_memory
 from geoswarm.workers.access.principal import Principal
-from geoswarm.workers.hosts.alone import remote_doorbell
-from geoswarm.workers.hosts.embedded import PipeDoorbell
+from geoswarm.workers.hosts.alone import remote_waker
+from geoswarm.workers.hosts.embedded import PipeWaker
 from geoswarm.workers.logs import start_logging
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 
-__all__ = ["Trusting", "main"]
+__all__ = ["InternalApp", "main"]
 
 
-class Trusting:
+class InternalApp:
     """An application behind no door: the service, which alone reaches this process, says who asks."""
 
     def __init__(self, app: ASGIApp) -> None:
@@ -52,7 +52,7 @@ def main(given: Mapping[str, Any]) -> None:
     Parameters
     ----------
     given
-        ``settings`` of the engine, ``doorbell`` (ends of the pipe, empty with a broker), ``listener`` (descriptor) and
+        ``settings`` of the engine, ``waker`` (ends of the pipe, empty with a broker), ``listener`` (descriptor) and
         ``log_level``.
     """
     threading.Thread(target=_follow_parent, daemon=True).start()
@@ -60,11 +60,11 @@ def main(given: Mapping[str, Any]) -> None:
     go_first_without_memory()
     settings = Settings(**given["settings"])
     store = Store(settings)
-    ends = given["doorbell"]
-    doorbell = PipeDoorbell(settings.workers, (ends[0], ends[1])) if ends else remote_doorbell(settings)
-    app = create_app(JobService(store, doorbell, settings), door=False)
+    ends = given["waker"]
+    waker = PipeWaker(settings.workers, (ends[0], ends[1])) if ends else remote_waker(settings)
+    app = create_app(JobService(store, waker, settings), door=False)
     config = uvicorn.Config(
-        Trusting(app), log_config=None, log_level="warning", access_log=False, server_header=False, lifespan="off"
+        InternalApp(app), log_config=None, log_level="warning", access_log=False, server_header=False, lifespan="off"
     )
     uvicorn.Server(config).run(sockets=[socket.socket(fileno=given["listener"])])
 

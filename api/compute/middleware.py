@@ -13,17 +13,17 @@ from typing import TYPE_CHECKING
 import httpx
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from geoswarm.api.compute.fair_queue import BusyError, FairQueue
+from geoswarm.api.compute.pool import ComputePool
+from geoswarm.api.compute.process import ROUTE_HEADER, ComputeProcess, EndedError
+from geoswarm.api.compute.requests import is_compute, job_of
 from geoswarm.api.errors import DetailError, detail_response
-from geoswarm.api.heavy.pool import HeavyPool
-from geoswarm.api.heavy.process import ROUTE_HEADER, EndedError, HeavyProcess
-from geoswarm.api.heavy.requests import is_heavy, job_of
-from geoswarm.api.heavy.turns import BusyError, Turns
 from geoswarm.workers.access.principal import LOCAL, Principal
 
 if TYPE_CHECKING:
     from geoswarm.api.settings import ApiSettings
 
-__all__ = ["HeavyWork"]
+__all__ = ["ComputeMiddleware"]
 
 log = logging.getLogger(__name__)
 
@@ -33,17 +33,17 @@ OWN_HEADERS = frozenset({b"connection", ROUTE_HEADER.encode()})  # between the t
 GRACE_SECONDS = 1.0  # for a request whose client has left
 
 
-class HeavyWork:
+class ComputeMiddleware:
     """ASGI middleware behind the gate."""
 
-    def __init__(self, app: ASGIApp, pool: HeavyPool, settings: ApiSettings) -> None:
+    def __init__(self, app: ASGIApp, pool: ComputePool, settings: ApiSettings) -> None:
         self._app = app
         self._pool = pool
         self._settings = settings
-        self._turns = Turns(settings.heavy_processes, PER_CLIENT, WAITING)
+        self._queue = FairQueue(settings.compute_processes, PER_CLIENT, WAITING)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if not is_heavy(scope):
+        if not is_compute(scope):
             await self._app(scope, receive, send)
             return
         body = await _whole_body(receive)
@@ -71,8 +71,8 @@ class HeavyWork:
 
     async def _in_turn(self, scope: Scope, body: bytes, principal: Principal, client: str, send: _Answer) -> None:
         try:
-            async with asyncio.timeout(self._settings.heavy_wait_seconds):
-                await self._turns.take(client)
+            async with asyncio.timeout(self._settings.compute_wait_seconds):
+                await self._queue.take(client)
         except (BusyError, TimeoutError):
             await _refuse(
                 scope,
@@ -89,7 +89,7 @@ class HeavyWork:
         try:
             await self._passed_on(scope, body, principal, send)
         finally:
-            self._turns.give_back(client)
+            self._queue.give_back(client)
 
     async def _passed_on(self, scope: Scope, body: bytes, principal: Principal, send: _Answer) -> None:
         try:
@@ -100,7 +100,9 @@ class HeavyWork:
             await _refuse(scope, send, DetailError(503, refusal, kind="unavailable", headers={"Retry-After": "5"}))
             return
         asking = asyncio.ensure_future(_answered(process, scope, body, json.dumps(asdict(principal)), send))
-        watching = asyncio.ensure_future(process.watch(self._settings.heavy_seconds, self._settings.heavy_memory_mb))
+        watching = asyncio.ensure_future(
+            process.watch(self._settings.compute_seconds, self._settings.compute_memory_mb)
+        )
         why: str | None = None
         try:
             await asyncio.wait({asking, watching}, return_when=asyncio.FIRST_COMPLETED)
@@ -135,7 +137,7 @@ class _Answer:
         await self._send(message)
 
 
-async def _answered(process: HeavyProcess, scope: Scope, body: bytes, principal: str, send: Send) -> None:
+async def _answered(process: ComputeProcess, scope: Scope, body: bytes, principal: str, send: Send) -> None:
     response = await process.ask(scope, body, principal)
     try:
         headers = [(name.lower(), value) for name, value in response.headers.raw if name.lower() not in OWN_HEADERS]

@@ -13,7 +13,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from geoswarm.workers.store.database import Store
 from geoswarm.workers.store.tables import events
 
-__all__ = ["EventBell", "insert_events"]
+__all__ = ["EventListener", "insert_events"]
 
 log = logging.getLogger(__name__)
 
@@ -29,7 +29,7 @@ def insert_events(connection: Connection, rows: list[dict[str, Any]]) -> None:
     connection.execute(ANNOUNCED if connection.dialect.name == "postgresql" else EVENTS, rows)
 
 
-class EventBell:
+class EventListener:
     """Listens for events of any job in a thread of its own.
 
     Parameters

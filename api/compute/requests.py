@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["is_heavy", "job_of"]
+__all__ = ["is_compute", "job_of"]
 
 _ALWAYS = re.compile(
     r"/api/v1/(?:"
@@ -19,12 +19,12 @@ _CHANGES = {"POST": re.compile(r"/api/v1/jobs"), "PATCH": re.compile(r"/api/v1/j
 _JOB = re.compile(r"/api/v1/jobs/([^/]+)")
 
 
-def is_heavy(scope: Mapping[str, Any]) -> bool:
+def is_compute(scope: Mapping[str, Any]) -> bool:
     """Whether a request of an ASGI scope calculates.
 
-    >>> is_heavy({"type": "http", "method": "GET", "path": "/api/v1/jobs/1f/statistics"})
+    >>> is_compute({"type": "http", "method": "GET", "path": "/api/v1/jobs/1f/statistics"})
     True
-    >>> is_heavy({"type": "http", "method": "GET", "path": "/api/v1/jobs"})
+    >>> is_compute({"type": "http", "method": "GET", "path": "/api/v1/jobs"})
     False
     """
     if scope["type"] != "http":

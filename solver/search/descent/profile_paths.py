@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.descent.marquardt import marquardt_step
 from geoswarm.solver.search.space import SearchSpace
 
-__all__ = ["Chain", "ChainPoint"]
+__all__ = ["ProfilePath", "ProfilePoint"]
 
 _DIFFERENCE = 1e-4  # in parts of the range
 _MOST_ITERATIONS = 12  # of Levenberg-Marquardt at one value
@@ -25,7 +25,7 @@ _MOST_DAMPING = 1e8
 
 
 @dataclass(frozen=True, slots=True)
-class ChainPoint:
+class ProfilePoint:
     """A finished value: all parameters in parts of the range, shape (d,), and the lowest objective found."""
 
     unit: FloatArray
@@ -33,7 +33,7 @@ class ChainPoint:
 
 
 @dataclass(frozen=True, slots=True)
-class Chain:
+class ProfilePath:
     """State of one side of a profile.
 
     Parameters
@@ -62,7 +62,7 @@ class Chain:
     side: int
     step: float
     increase: float
-    points: tuple[ChainPoint, ...]
+    points: tuple[ProfilePoint, ...]
     trial: FloatArray
     origin: FloatArray
     current: FloatArray | None = None
@@ -77,7 +77,7 @@ class Chain:
     @classmethod
     def begin(
         cls, index: int, side: int, optimum: FloatArray, step: float, increase: float, *, idle: bool = False
-    ) -> Chain:
+    ) -> ProfilePath:
         """Begin at the optimum, shape (d,), parts of the range; an ``idle`` chain has nothing to do."""
         chain = cls(index, side, step, increase, (), optimum, optimum)
         return replace(chain, finished=True) if idle else chain._next_value()
@@ -97,7 +97,7 @@ class Chain:
     def _others(self) -> list[int]:
         return [i for i in range(len(self.trial)) if i != self.index]
 
-    def advance(self, space: SearchSpace, residuals: FloatArray, lowest: float) -> Chain:
+    def advance(self, space: SearchSpace, residuals: FloatArray, lowest: float) -> ProfilePath:
         """Take the results at :meth:`positions`.
 
         Parameters
@@ -137,7 +137,7 @@ class Chain:
         jacobian = np.stack(columns, axis=1) if columns else np.empty((residuals.shape[1], 0))
         return jacobian.T @ residuals[0], jacobian.T @ jacobian
 
-    def _next_trial(self, lowest: float, gain: float) -> Chain:
+    def _next_trial(self, lowest: float, gain: float) -> ProfilePath:
         """The next Levenberg-Marquardt step at this value, or the next value."""
         assert self.current is not None
         assert self.gradient is not None
@@ -156,13 +156,13 @@ class Chain:
         trial[others] = np.clip(trial[others] + step, 0.0, 1.0)
         return replace(self, trial=trial)
 
-    def _finish_value(self, lowest: float) -> Chain:
+    def _finish_value(self, lowest: float) -> ProfilePath:
         assert self.current is not None
         assert self.objective is not None
         if self.objective > lowest + _OVERSHOOT * self.increase and self.refinements < _MOST_REFINEMENTS:
             # far beyond the end of the interval: a straight line from the last point would not tell where it ends
             return replace(self, step=0.25 * self.step, refinements=self.refinements + 1)._next_value()
-        points = (*self.points, ChainPoint(self.current, self.objective))
+        points = (*self.points, ProfilePoint(self.current, self.objective))
         end = self.current[self.index] in (0.0, 1.0)
         before = self.points[-1].objective if self.points else lowest
         rise = self.objective - before
@@ -176,7 +176,7 @@ class Chain:
             return replace(chain, finished=True)
         return chain._next_value()
 
-    def _next_value(self) -> Chain:
+    def _next_value(self) -> ProfilePath:
         """Go one step outwards; the other parameters go on in the direction they took last."""
         last = self.points[-1].unit if self.points else self.origin
         before = self.points[-2].unit if len(self.points) > 1 else self.origin
@@ -208,10 +208,10 @@ class Chain:
         return data | {"points": [{"unit": p.unit.tolist(), "objective": p.objective} for p in self.points]}
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Chain:
+    def from_json(cls, data: Mapping[str, Any]) -> ProfilePath:
         """Restore from :meth:`to_json`."""
         arrays = {k: None if data[k] is None else np.array(data[k], dtype=np.float64) for k in _ARRAYS}
-        points = tuple(ChainPoint(np.array(p["unit"], dtype=np.float64), p["objective"]) for p in data["points"])
+        points = tuple(ProfilePoint(np.array(p["unit"], dtype=np.float64), p["objective"]) for p in data["points"])
         return cls(**{**data, **arrays, "points": points})
 
 

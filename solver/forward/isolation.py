@@ -24,12 +24,12 @@ from geoswarm.solver.forward.base import ForwardRun
 from geoswarm.solver.system.processes import adopts_orphans, die_with_parent
 from geoswarm.solver.user_laws.law import UserLaw
 
-__all__ = ["guarded"]
+__all__ = ["run_isolated"]
 
 _LINUX = sys.platform == "linux"
 
 
-def guarded(run: ForwardRun, laws: Sequence[UserLaw]) -> ForwardRun:
+def run_isolated(run: ForwardRun, laws: Sequence[UserLaw]) -> ForwardRun:
     """Return the same run, with the laws' troubles in its messages, where it can harm nothing.
 
     Parameters

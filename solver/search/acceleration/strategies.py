@@ -1,4 +1,4 @@
-"""The arms of an accelerated search, the ways to propose a point, and the patterns in which they take turns."""
+"""The strategies of an accelerated search, the ways to propose a point, and the patterns in which they take turns."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = [
     "SCALAR_PATTERN",
     "STEP",
     "VECTOR_PATTERN",
-    "Arm",
+    "Strategy",
     "Local",
     "Pattern",
     "Plain",
@@ -69,7 +69,7 @@ class Trust:
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """An arm without settings.
+    """An strategy without settings.
 
     ``valley``: a low point far from all good runs; ``scalar_surface``: of log f; ``covariance``: a move of an evolution
     strategy; ``near`` one of the best; ``far`` from everything; ``partly``: the best with some parameters drawn anew;
@@ -83,9 +83,9 @@ class Plain:
         return self.name
 
 
-Arm: TypeAlias = Surface | Local | Trust | Plain
+Strategy: TypeAlias = Surface | Local | Trust | Plain
 """A way to propose; as text it is what snapshots keep."""
-Pattern: TypeAlias = tuple[Arm, ...]
+Pattern: TypeAlias = tuple[Strategy, ...]
 
 VALLEY, SCALAR_SURFACE, COVARIANCE = Plain("valley"), Plain("scalar_surface"), Plain("covariance")
 NEAR, FAR, PARTLY, STEP = Plain("near"), Plain("far"), Plain("partly"), Plain("step")
@@ -165,11 +165,11 @@ LATE_PATTERN: Pattern = (
     Local("gauss_newton", 0, 0.4),
     Local("around", 2, 0.1),
 )
-LATE_BEGIN_PATTERN: Pattern = tuple(arm for late in LATE_PATTERN[:5] for arm in (FAR, late))
+LATE_BEGIN_PATTERN: Pattern = tuple(strategy for late in LATE_PATTERN[:5] for strategy in (FAR, late))
 LATE_DESCENT_PATTERN: Pattern = (*DESCENT_PATTERN[:3], *LATE_PATTERN)
 
 
 def polish_pattern(particles: int) -> Pattern:
-    """Arms of a polishing generation: at most half of it steps of quadratic models, the rest probes."""
+    """Strategies of a polishing generation: at most half of it steps of quadratic models, the rest probes."""
     steps = tuple(Local("quadratic", 0, reach) for reach in (1, 0.3, 0.1))[: max(1, particles // 2)]
     return (*steps, *[PROBE] * (particles - len(steps)))

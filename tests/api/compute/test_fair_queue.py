@@ -1,4 +1,4 @@
-"""Fair turns."""
+"""Fair queue."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from geoswarm.api.heavy.requests import is_heavy
-from geoswarm.api.heavy.turns import BusyError, Turns
+from geoswarm.api.compute.fair_queue import BusyError, FairQueue
+from geoswarm.api.compute.requests import is_compute
 
 
 def run(work: Coroutine[Any, Any, None]) -> None:
@@ -23,11 +23,11 @@ async def settled() -> None:
 
 def test_one_client_never_has_all_places() -> None:
     async def work() -> None:
-        turns = Turns(places=3, per_client=2, waiting=5)
+        queue = FairQueue(places=3, per_client=2, waiting=5)
         order: list[str] = []
 
         async def ask(client: str) -> None:
-            await turns.take(client)
+            await queue.take(client)
             order.append(client)
 
         asked = [asyncio.create_task(ask("greedy")) for _ in range(6)]
@@ -39,7 +39,7 @@ def test_one_client_never_has_all_places() -> None:
         asked += [asyncio.create_task(ask("third")) for _ in range(2)]
         await settled()
         for client in ("greedy", "modest", "greedy", "third"):
-            turns.give_back(client)
+            queue.give_back(client)
             await settled()
         # The places go round: whoever got one goes behind the others.
         assert order[3:] in (["greedy", "third", "greedy", "third"], ["third", "greedy", "third", "greedy"])
@@ -51,20 +51,20 @@ def test_one_client_never_has_all_places() -> None:
 
 def test_too_many_waiting_are_refused_at_once() -> None:
     async def work() -> None:
-        turns = Turns(places=1, per_client=1, waiting=2)
-        await turns.take("a")
-        waiting = [asyncio.create_task(turns.take("a")) for _ in range(2)]
+        queue = FairQueue(places=1, per_client=1, waiting=2)
+        await queue.take("a")
+        waiting = [asyncio.create_task(queue.take("a")) for _ in range(2)]
         await settled()
         with pytest.raises(BusyError):
-            await turns.take("a")
-        other = asyncio.create_task(turns.take("b"))
+            await queue.take("a")
+        other = asyncio.create_task(queue.take("b"))
         await settled()
         waiting[0].cancel()  # it has given up
         await settled()
-        turns.give_back("a")
+        queue.give_back("a")
         await settled()
         assert waiting[1].done() != other.done()
-        turns.give_back("a" if waiting[1].done() else "b")
+        queue.give_back("a" if waiting[1].done() else "b")
         await settled()
         assert waiting[1].done()
         assert other.done()
@@ -73,7 +73,7 @@ def test_too_many_waiting_are_refused_at_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("method", "path", "heavy"),
+    ("method", "path", "compute"),
     [
         ("POST", "/api/v1/jobs", True),
         ("GET", "/api/v1/jobs", False),
@@ -92,5 +92,5 @@ def test_too_many_waiting_are_refused_at_once() -> None:
         ("GET", "/jobs/1f/statistics", False),
     ],
 )
-def test_what_calculates(method: str, path: str, heavy: bool) -> None:
-    assert is_heavy({"type": "http", "method": method, "path": path}) == heavy
+def test_what_calculates(method: str, path: str, compute: bool) -> None:
+    assert is_compute({"type": "http", "method": method, "path": path}) == compute

@@ -7,8 +7,8 @@ import json
 from typing import Any, cast
 
 from geoswarm.api import ApiSettings
-from geoswarm.api.heavy.middleware import HeavyWork
-from geoswarm.api.heavy.pool import HeavyPool
+from geoswarm.api.compute.middleware import ComputeMiddleware
+from geoswarm.api.compute.pool import ComputePool
 
 
 class Waiting:
@@ -41,7 +41,7 @@ def test_a_request_that_the_server_cancels_is_answered_503() -> None:
 
     async def work() -> None:
         pool = Waiting()
-        middleware = HeavyWork(unused, cast("HeavyPool", pool), ApiSettings())
+        middleware = ComputeMiddleware(unused, cast("ComputePool", pool), ApiSettings())
         scope = {"type": "http", "method": "GET", "path": "/api/v1/jobs/1f/statistics", "headers": []}
         request = asyncio.ensure_future(middleware(scope, receive, send))
         await pool.asked.wait()

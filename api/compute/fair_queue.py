@@ -5,14 +5,14 @@ from __future__ import annotations
 import asyncio
 from collections import Counter, OrderedDict, deque
 
-__all__ = ["BusyError", "Turns"]
+__all__ = ["BusyError", "FairQueue"]
 
 
 class BusyError(Exception):
     """Too many are waiting already."""
 
 
-class Turns:
+class FairQueue:
     """Gives places to clients in fair turn. For one event loop.
 
     Parameters

@@ -1,29 +1,29 @@
-"""The doorbell: tells workers that a job may have work. A ring may be lost or doubled, nothing depends on it."""
+"""The waker: tells workers that a job may have work. A ring may be lost or doubled, nothing depends on it."""
 
 from __future__ import annotations
 
 from typing import Protocol
 
-__all__ = ["Doorbell", "MuteDoorbell"]
+__all__ = ["Waker", "NoWaker"]
 
 
-class Doorbell(Protocol):
+class Waker(Protocol):
     """How workers are woken."""
 
-    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:
+    def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:
         """Wake up to ``times`` workers that run this kind of forward model (empty: any) for a job; never raises."""
 
     def health(self) -> str:
-        """Return ``ok``, ``embedded``, or why the doorbell does not work."""
+        """Return ``ok``, ``embedded``, or why the waker does not work."""
 
     def close(self) -> None:
         """Let go of what it holds."""
 
 
-class MuteDoorbell:
+class NoWaker:
     """Rings nobody: workers find the work when they look, or through a sweep."""
 
-    def ring(self, job_id: str, times: int = 1, kind: str = "") -> None:
+    def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:
         """Do nothing."""
 
     def health(self) -> str:
