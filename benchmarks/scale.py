@@ -61,7 +61,7 @@ from geoswarm.workers.store.codec import unpack_problem
 from geoswarm.workers.waker import NoWaker
 from tests.servers import PostgresServer
 
-IDLE_SECONDS = 2.0  # a worker that nobody rings for looks by itself
+IDLE_SECONDS = 2.0  # a worker that nobody wakes for looks by itself
 READINGS = 20
 HEADINGS = (
     "workers | jobs | particles | run s | exchanges/s | median ms | p95 ms | busy % | own ms | PostgreSQL ms |"
@@ -113,13 +113,13 @@ class Job:
         self.course = Course(Calibration(parse_problem(unpack_problem(row.problem)), row.seed))
         self.bell = asyncio.Condition()
 
-    async def ring(self, times: int) -> None:
+    async def wake(self, times: int) -> None:
         """Wake some of those that wait."""
         async with self.bell:
             self.bell.notify(times)
 
     async def wait(self) -> None:
-        """Wait for a ring, or for a while."""
+        """Wait for a wake-up, or for a while."""
         async with self.bell:
             try:
                 async with asyncio.timeout(IDLE_SECONDS):
@@ -161,10 +161,10 @@ class Load:
             if answer.queued:
                 start = job.course.start(job.workers)
                 await loop.run_in_executor(self.pool, self.runtime.start, job.id, start)
-                await job.ring(job.workers)
+                await job.wake(job.workers)
                 continue
-            if answer.rings:
-                await job.ring(answer.rings)
+            if answer.wakes:
+                await job.wake(answer.wakes)
             if answer.claim is None:
                 await job.wait()
                 continue

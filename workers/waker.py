@@ -1,4 +1,4 @@
-"""The waker: tells workers that a job may have work. A ring may be lost or doubled, nothing depends on it."""
+"""The waker: tells workers that a job may have work. A wake-up may be lost or doubled, nothing depends on it."""
 
 from __future__ import annotations
 

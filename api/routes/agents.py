@@ -146,7 +146,7 @@ def _take_in(watch: OpenWorkWatch, key: str, lease_id: str, content: bytes) -> R
         for r in brought.runs
     ]
     wanted = None if brought.next is None or watch.closed else _wanted(brought.next)
-    taken, grant = watch.desk.hand_in(key, lease_id, runs, brought.killed, wanted)
+    taken, grant = watch.desk.submit(key, lease_id, runs, brought.killed, wanted)
     return _answer({"taken": taken, "lease": _shown(grant)})
 
 

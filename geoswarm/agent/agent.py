@@ -328,7 +328,7 @@ class Agent:
         busy = any(slot.busy for slot in self._slots)
         for lease_id, body in [] if busy else list(self.outbox.waiting()):
             try:
-                self.server.hand_in(lease_id, body)
+                self.server.submit(lease_id, body)
             except (LeaseEndedError, RejectedError) as error:
                 log.info("results of lease %s are not wanted any more: %s", lease_id[:8], error)
             except AgentError:

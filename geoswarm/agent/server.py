@@ -113,7 +113,7 @@ class Server:
         """
         self._ask("POST", f"/leases/{lease_id}/beat", {})
 
-    def hand_in(self, lease_id: str, brought: Mapping[str, Any]) -> Lease | None:
+    def submit(self, lease_id: str, brought: Mapping[str, Any]) -> Lease | None:
         """Bring what came of a lease; return the next one, if it was asked for and there is one.
 
         Raises

@@ -109,7 +109,7 @@ class Slot(threading.Thread):
         while not agent.refused:
             try:
                 asks = agent.wants(self) if more and not agent.ending() else None
-                following = agent.server.hand_in(lease_id, {**body, "next": asks})
+                following = agent.server.submit(lease_id, {**body, "next": asks})
             except UnreachableError as error:
                 if agent.ending():
                     last = last or time.monotonic() + LAST_TRY_SECONDS

@@ -42,7 +42,7 @@ def begin(store: Store, settings: Settings) -> tuple[str, str, str]:
     hand = Hand(runtime_for(store, settings), ids[1], "lost", course(PROBLEM))
     hand.take()
     for _ in range(5):
-        hand.submission(1)
+        hand.submit(1)
     assert service.get(ids[1]).state == "running"
     ApiKeys(store).create("anna", "submit")
     Hooks(store, Principal("anna", "submit"), NoticeSettings()).create("https://example.org/hook")

@@ -23,19 +23,19 @@ ON_SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 
 
 class RecordingWaker:
-    """Remembers the rings."""
+    """Remembers the wake-ups."""
 
     def __init__(self) -> None:
-        self.rings: list[str] = []
+        self.wakes: list[str] = []
 
     def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:  # noqa: ARG002
-        self.rings += [job_id] * times
+        self.wakes += [job_id] * times
 
     def health(self) -> str:
         return "embedded"
 
     def close(self) -> None:
-        self.rings.clear()
+        self.wakes.clear()
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])

@@ -48,7 +48,7 @@ class Hand:
         results = [Result(p, a, self.course.calibration.evaluate(x), claim.now, claim.now + 1.0) for p, a, x in triples]
         return Submission(claim, (), claim.generation, results)
 
-    def submission(self, count: int | None = None, *, want: bool = True) -> Exchange:
+    def submit(self, count: int | None = None, *, want: bool = True) -> Exchange:
         return self.exchange(self.results(count), want=want)
 
     def reach_ahead(self, count: int) -> Claim | None:
@@ -74,4 +74,4 @@ def pass_time(store: Store, seconds: float) -> None:
 def finish(hand: Hand) -> None:
     hand.take()
     while hand.claim is not None:
-        hand.submission()
+        hand.submit()

@@ -58,7 +58,7 @@ class ByHand:
 
     def bring(self, grant: Grant, runs: Sequence[BroughtRun] | None = None, slot: int | None = None) -> Any:
         wanted = None if slot is None else Wanted(self.name, slot, 100)
-        return self.desk.submission(self.key, grant.id, self.made(grant) if runs is None else runs, None, wanted)
+        return self.desk.submit(self.key, grant.id, self.made(grant) if runs is None else runs, None, wanted)
 
 
 @pytest.fixture
@@ -220,7 +220,7 @@ def test_a_job_that_is_not_wanted_ends_its_leases(desk: AgentDesk, service: JobS
     with pytest.raises(LeaseOverError, match="its job is paused"):
         desk.beat("", grant.id)
     runs = agent.made(grant)[:1]
-    assert desk.submission("", grant.id, runs, grant.runs[1].particle, None) == (True, None)
+    assert desk.submit("", grant.id, runs, grant.runs[1].particle, None) == (True, None)
     with pytest.raises(LeaseOverError, match="it has ended"):
         desk.beat("", grant.id)
     second = service.attempts(job_id, 0, grant.runs[1].particle)

@@ -110,8 +110,8 @@ def test_without_room_finished_runs_come_in_and_none_goes_out(
     one.runtime.settings = two.runtime.settings = short_of(settings)
     done = service.get(job_id).evaluations
     while two.claim is not None:
-        two.submission()
-    answer = one.submission()
+        two.submit()
+    answer = one.submit()
     assert answer.claim is None
     assert answer.left
     finished = select(func.count()).where(evaluations.c.state == "finished")
@@ -120,7 +120,7 @@ def test_without_room_finished_runs_come_in_and_none_goes_out(
     one.runtime.settings = two.runtime.settings = roomy
     two.take()
     while two.claim is not None:
-        two.submission()
+        two.submit()
     assert service.get(job_id).state == "finished"
     assert recorded_history(service, job_id) == expected_history(PROBLEM)
 
@@ -135,7 +135,7 @@ def test_workers_wait_for_room_and_go_on(
     worker.start()
     roomy, worker.runtime.settings = worker.runtime.settings, short_of(settings)
     assert [worker.next_job() for _ in range(5)] == [None] * 5
-    worker.serve(job_id)  # it was rung for
+    worker.serve(job_id)  # it was woken
     assert service.get(job_id).evaluations == 0
     waits = [record.message for record in caplog.records if "waits: database: its disk has" in record.message]
     assert len(waits) == 1

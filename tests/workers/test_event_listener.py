@@ -31,23 +31,23 @@ def listeners(store: Store) -> list[int]:
 
 
 def test_it_rings_when_events_are_committed_and_after_a_lost_connection(postgres_store: Store) -> None:
-    rung = threading.Event()
-    listener = EventListener(postgres_store, rung.set)
+    woken = threading.Event()
+    listener = EventListener(postgres_store, woken.set)
     service = JobService(postgres_store, NoWaker())
     listener.start()
     try:
-        wait_for(lambda: listener.live and rung.is_set(), "a listener that listens")
-        rung.clear()
+        wait_for(lambda: listener.live and woken.is_set(), "a listener that listens")
+        woken.clear()
         job = service.submit(line())[0].id
-        wait_for(rung.is_set, "a ring for the new job")
+        wait_for(woken.is_set, "a wake-up for the new job")
         (pid,) = listeners(postgres_store)
-        rung.clear()
+        woken.clear()
         postgres_store.write(lambda connection: connection.execute(text(f"SELECT pg_terminate_backend({pid})")))
         wait_for(lambda: listeners(postgres_store) not in ([], [pid]) and listener.live, "another connection")
-        wait_for(rung.is_set, "a ring for what may have come in between")
-        rung.clear()
+        wait_for(woken.is_set, "a wake-up for what may have come in between")
+        woken.clear()
         service.cancel(job)
-        wait_for(rung.is_set, "a ring for the cancelled job")
+        wait_for(woken.is_set, "a wake-up for the cancelled job")
     finally:
         listener.stop()
     wait_for(lambda: not listeners(postgres_store), "the end of listening")

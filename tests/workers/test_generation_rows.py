@@ -51,7 +51,7 @@ def read(monkeypatch: pytest.MonkeyPatch) -> list[GenerationRows]:
 def test_an_exchange_reads_what_is_handed_in_and_what_is_handed_out(hand: Hand, read: list[GenerationRows]) -> None:
     hand.take()
     for _ in range(20):
-        hand.submission()
+        hand.submit()
     assert {rows.size for rows in read} == {PARTICLES}
     assert max(len(rows.cells) for rows in read) == 2
     assert (read[-1].pending, read[-1].undone) == (PARTICLES - 21, PARTICLES - 20)
@@ -64,9 +64,9 @@ def test_the_state_of_the_search_is_read_when_a_generation_ends(hand: Hand, monk
     hand.take()
     asked.clear()
     for _ in range(PARTICLES - 1):
-        hand.submission()
+        hand.submit()
     assert asked == []
-    hand.submission()
+    hand.submit()
     assert len(asked) == 1
 
 

@@ -53,7 +53,7 @@ def test_a_lease_that_ends_while_its_worker_is_heard_of_is_no_try(
     first = service.evaluations(job_id).items[0]
     assert (first.state, first.attempts) == ("pending", 0)
     assert store.read(lambda c: c.execute(select(attempts)).all()) == []
-    hand.submission()  # and it comes all the same
+    hand.submit()  # and it comes all the same
     first = service.evaluations(job_id).items[0]
     assert (first.state, first.worker) == ("finished", "w1")
 

@@ -48,7 +48,7 @@ def test_expensive_or_unknown_runs_go_one_by_one_and_cheap_ones_in_chunks(
     sizes = []
     while hand.claim is not None:
         sizes.append(len(hand.claim.particles))
-        hand.submission()
+        hand.submit()
     assert sizes[:3] == [1, 3, 2]  # the first run tells what one costs
     assert set(sizes[3:]) == {3}
     assert recorded_history(service, job_id) == EXPECTED
@@ -88,7 +88,7 @@ def test_a_result_that_arrives_before_its_second_try_counts(
     for _ in range(2):  # the answer to the first was lost
         first.exchange(once, want=False)
         assert listed(service, job_id) == [(2, "w2", "superseded", False), (1, "w1", "finished", True)]
-    second.submission()
+    second.submit()
     assert listed(service, job_id) == [(2, "w2", "late", False), (1, "w1", "finished", True)]
     finish(second)
     assert recorded_history(service, job_id) == EXPECTED
@@ -135,7 +135,7 @@ def test_what_was_not_begun_is_given_back_untouched(
     hand.take()
     assert hand.claim is not None
     assert hand.claim.particles == (0, 1, 2)
-    hand.submission(1, want=False)
+    hand.submit(1, want=False)
     states = [(e.state, e.attempts) for e in service.evaluations(job_id).items]
     assert states == [("finished", 1)] + [("pending", 0)] * 5
 
@@ -182,9 +182,9 @@ def test_pause_keeps_results_and_resume_goes_on_with_the_same_bits(
     hand = Hand(runtime_for(store, settings), job_id, "w1")
     hand.take()
     for _ in range(8):
-        hand.submission()
+        hand.submit()
     assert service.pause(job_id).state == "paused"
-    assert hand.submission().claim is None  # kept, but nothing new is handed out
+    assert hand.submit().claim is None  # kept, but nothing new is handed out
     done = len(service.evaluations(job_id, state="finished", limit=1000).items)
     assert hand.take().claim is None
     assert service.resume(job_id).state == "running"
@@ -223,7 +223,7 @@ def test_a_burst_that_was_paused_or_overtaken_changes_nothing(
     service.resume(job_id)
     other = Hand(runtime_for(store, settings), job_id, "w2", textbook)
     other.take()
-    other.submission()
+    other.submit()
     hand.exchange(whole)  # far too late
     finish(other)
     assert recorded_history(service, job_id) == expected
@@ -248,7 +248,7 @@ def test_the_claim_ahead_leaves_out_what_is_under_way(
     assert other.claim.particles == (2, 3, 4)
     states = [e.state for e in service.evaluations(job_id).items]
     assert states == ["running", "finished", "running", "running", "running", "pending"]
-    assert other.submission(1, want=False).left
+    assert other.submit(1, want=False).left
     states = [e.state for e in service.evaluations(job_id).items]
     assert states == ["running", "finished", "finished", "pending", "pending", "pending"]
 
@@ -264,7 +264,7 @@ def test_nothing_ahead_when_others_have_ended_the_generation(
     while service.get(job_id).generations == 0:
         if quick.claim is None:
             quick.take()
-        quick.submission()
+        quick.submit()
     slow.claim = held
     assert slow.reach_ahead(0) is None
     assert slow.claim is held
@@ -276,7 +276,7 @@ def test_cancel_in_mid_generation_stops_dispatch(
     hand = Hand(runtime_for(store, settings), job_id, "w1")
     hand.take()
     service.cancel(job_id)
-    assert hand.submission().claim is None
+    assert hand.submit().claim is None
     states = [e.state for e in service.evaluations(job_id).items]
     assert states == ["finished"] + ["pending"] * 5
 
@@ -293,7 +293,7 @@ def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Sett
     service.resume(job_id)
     pass_time(store, 86400.0)
     for _ in range(6):
-        hand.submission()
+        hand.submit()
         if hand.claim is None:
             hand.take()
     seconds = service.get(job_id).seconds
@@ -302,7 +302,7 @@ def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Sett
     assert service.get(job_id).state == "running"
     store.write(lambda c: c.execute(update(jobs).values(run_seconds=10_000.0)))
     while hand.claim is not None:
-        hand.submission()
+        hand.submit()
     assert service.get(job_id).stop_reasons == ["max_seconds"]
 
 
@@ -331,7 +331,7 @@ def test_any_order_of_workers_losses_and_pauses_gives_the_same_history(
         if action == "take" and hand.claim is None:
             hand.take()
         elif action in ("submission", "part") and hand.claim is not None:
-            hand.submission(1 if action == "part" else None)
+            hand.submit(1 if action == "part" else None)
         elif action == "ahead" and hand.claim is not None:
             hand.reach_ahead(len(hand.claim.particles) - 1)
         elif action == "twice" and hand.claim is not None:

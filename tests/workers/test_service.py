@@ -35,7 +35,7 @@ def test_a_submitted_job_is_queued_and_rung_for(service: JobService, waker: Reco
     assert view.started_at is view.finished_at is view.seconds is view.objective is view.parameters is None
     second = timedelta(seconds=1)  # the clock of a database counts milliseconds
     assert before - second < view.created_at < datetime.now(UTC) + second
-    assert waker.rings == [view.id]
+    assert waker.wakes == [view.id]
     assert service.get(view.id) == view
     assert service.problem(view.id) == line().document()
     assert service.best(view.id) is None
@@ -53,7 +53,7 @@ def test_the_same_key_gives_the_same_job(service: JobService, waker: RecordingWa
     again, new_again = service.submit(line(), idempotency_key="k")
     assert (new, new_again) == (True, False)
     assert again == first
-    assert len(waker.rings) == 1
+    assert len(waker.wakes) == 1
     with pytest.raises(IdempotencyConflictError, match=f"'k' was used for job {first.id}"):
         service.submit(line(name="other"), idempotency_key="k")
     assert len(service.list().items) == 1

@@ -39,23 +39,23 @@ def test_a_forgotten_job_is_rung_for_when_somebody_is_idle(
     store: Store, settings: Settings, service: JobService, waker: RecordingWaker, make_worker: MakeWorker
 ) -> None:
     job_id = service.submit(line())[0].id
-    waker.rings.clear()
+    waker.wakes.clear()
     sweeper = Sweeper(Runtime(store, settings), waker)
     sweeper.sweep()
-    assert waker.rings == []  # nobody there to hear it
+    assert waker.wakes == []  # nobody there to hear it
     worker = make_worker()
     worker.start()
     sweeper.sweep()
     sweeper.sweep()  # at once after the first: once is enough
-    assert waker.rings == [job_id]
+    assert waker.wakes == [job_id]
     pass_time(store, settings.sweep_seconds)
     sweeper.sweep()
-    assert waker.rings == [job_id, job_id]
+    assert waker.wakes == [job_id, job_id]
     worker.serve(job_id)
-    waker.rings.clear()
+    waker.wakes.clear()
     pass_time(store, settings.sweep_seconds)
     sweeper.sweep()
-    assert waker.rings == []
+    assert waker.wakes == []
     worker.close()
 
 
@@ -73,11 +73,11 @@ def test_a_silent_workers_evaluation_goes_to_others(
     sweeper.sweep()
     assert [e.state for e in service.evaluations(job_id).items] == ["running"] + ["pending"] * 5
     store.write(lambda c: c.execute(update(workers).values(seen_at=workers.c.seen_at - 2.0 * settings.lease_seconds)))
-    waker.rings.clear()
+    waker.wakes.clear()
     sweeper.sweep()
     assert [e.state for e in service.evaluations(job_id).items] == ["pending"] * 6
     assert [w.state for w in service.workers()] == ["lost"]
-    assert waker.rings == [job_id]
+    assert waker.wakes == [job_id]
     store.write(lambda c: c.execute(update(workers).values(lost_at=workers.c.lost_at - 7200.0)))
     sweeper.sweep()
     assert service.workers() == []
@@ -179,10 +179,10 @@ def test_of_many_processes_one_sweeps(
     settings = settings.model_copy(update={"sweep_seconds": 1000.0})
     worker = make_worker()
     worker.start()
-    waker.rings.clear()
+    waker.wakes.clear()
     first, second = sweepers(store, settings, waker)
     first.look()
-    assert waker.rings == [job_id]
+    assert waker.wakes == [job_id]
     rung_long_ago(store)
     statements: list[str] = []
     count = partial(_note_statement, statements)
@@ -190,16 +190,16 @@ def test_of_many_processes_one_sweeps(
     second.look()
     first.look()
     event.remove(store.engine, "before_cursor_execute", count)
-    assert waker.rings == [job_id]
+    assert waker.wakes == [job_id]
     assert len([statement for statement in statements if not statement.startswith("BEGIN")]) == 2
     set_back(store, settings.sweep_seconds)  # whoever comes next, as the one before may be gone
     second.look()
     first.look()
-    assert waker.rings == [job_id, job_id]
+    assert waker.wakes == [job_id, job_id]
     set_back(store, -10.0 * settings.sweep_seconds)  # the clock was set back
     rung_long_ago(store)
     first.look()
-    assert waker.rings == [job_id] * 3
+    assert waker.wakes == [job_id] * 3
     worker.close()
 
 

@@ -43,7 +43,7 @@ class Slow:
             raise ValueError("that is wrong")
         if any(one.worker == "away" for one in brought):
             raise StoreUnavailableError("away")
-        return [Exchange(rings=number) for number, _ in enumerate(brought)]
+        return [Exchange(wakes=number) for number, _ in enumerate(brought)]
 
 
 def together(names: Sequence[str]) -> tuple[Slow, dict[str, Exchange | Exception]]:
@@ -75,7 +75,7 @@ def test_who_comes_alone_waits_for_nobody_and_those_who_wait_go_together() -> No
     slow, found = together(["a", "b", "c", "d"])
     assert slow.served[0] == ["a"]
     assert sorted(slow.served[1]) == ["b", "c", "d"]
-    assert [found[name] for name in slow.served[1]] == [Exchange(rings=number) for number in range(3)]
+    assert [found[name] for name in slow.served[1]] == [Exchange(wakes=number) for number in range(3)]
 
 
 def test_one_that_is_wrong_does_not_harm_the_others() -> None:
@@ -118,7 +118,7 @@ def test_the_history_is_the_same_however_many_come_at_once(
                 time.sleep(0.05)
                 hand.take()
             else:
-                hand.submission()
+                hand.submit()
 
     running = [threading.Thread(target=work, args=(f"w{number}",)) for number in range(threads)]
     for thread in running:

@@ -53,7 +53,7 @@ def test_going_on_under_others_warns_once(
     runtime = runtime_for(store, settings)
     first, second = Hand(runtime, job, "a"), Hand(runtime, job, "b")
     first.take()
-    first.submission(want=False)
+    first.submit(want=False)
     service.pause(job)
     service.resume(job)
     become(numpy="1.0")
@@ -80,11 +80,11 @@ def test_each_set_of_versions_is_told_in_a_mixed_group(
     runtime = runtime_for(store, settings)
     hands = {changed: Hand(runtime, job, changed) for changed in ("0", "scipy", "numba")}
     hands["0"].take()
-    hands["0"].submission(want=False)
+    hands["0"].submit(want=False)
     for changed in ("scipy", "numba", "scipy", "numba"):
         become(**{changed: "0.1"})
         hands[changed].take()
-        hands[changed].submission(want=False)
+        hands[changed].submit(want=False)
     assert [warning.split(": ")[1].split()[0] for warning in service.get(job).warnings] == ["scipy", "numba"]
     assert len(told(service, job)) == 2
 
@@ -97,7 +97,7 @@ def test_a_third_number_of_python_is_no_difference(
     job = service.submit(PROBLEM)[0].id
     hand = Hand(runtime_for(store, settings), job, "a")
     hand.take()
-    hand.submission(want=False)
+    hand.submit(want=False)
     become(python=python)
     finish(hand)
     assert service.get(job).warnings == []
@@ -107,7 +107,7 @@ def test_a_job_without_a_record_goes_on_and_says_so(service: JobService, store: 
     job = service.submit(PROBLEM)[0].id
     hand = Hand(runtime_for(store, settings), job, "a")
     hand.take()
-    hand.submission(want=False)
+    hand.submit(want=False)
     with store.engine.connect() as connection:
         connection.execution_options(write=True)
         with connection.begin():

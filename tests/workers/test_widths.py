@@ -54,7 +54,7 @@ def serve_in_any_order(
             runtime.expire(job, hand.claim.generation, [hand.name])
             hand.claim = None
         else:
-            hand.submission(want=chance.random() < 0.7)
+            hand.submit(want=chance.random() < 0.7)
         both += len({h.claim.generation for h in hands if h.claim is not None}) == 2
     return job, both
 
@@ -87,7 +87,7 @@ def test_what_was_out_when_a_job_ended_is_begun_anew_when_it_goes_on(
     service.change_stopping(job, Stopping(max_evaluations=len(found) + 16))
     hand = Hand(runtime_for(store, settings), job, "w0", course(problem))
     while service.get(job).state == "running":
-        hand.submission() if hand.claim else hand.take()
+        hand.submit() if hand.claim else hand.take()
     longer = expected_history(curved(stopping={"max_evaluations": len(found) + 16}))
     assert recorded_history(service, job) == longer
 
@@ -117,7 +117,7 @@ def test_generations_follow_the_workers_and_what_was_recorded_gives_the_same_his
                 store.write(lambda connection, worker=worker: see_worker(connection, worker.identity))  # type: ignore[misc]
             else:
                 store.write(lambda connection, worker=worker: forget_worker(connection, worker.identity.id))  # type: ignore[misc]
-        hand.submission() if hand.claim else hand.take()
+        hand.submit() if hand.claim else hand.take()
     found = recorded_history(service, job)
     sizes = [sum(row[0] == g for row in found) for g in range(service.get(job).generations)]
     assert sizes[:3] == [1, 1, 1]

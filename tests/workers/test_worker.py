@@ -63,7 +63,7 @@ def test_a_time_slice_ends_and_the_job_rings_for_itself(
     monkeypatch.setattr("geoswarm.workers.execution.worker.time", Ticks())
     long_job = service.submit(line(stopping={"max_evaluations": 6000}))[0].id
     short_job = service.submit(line())[0].id
-    waker.rings.clear()
+    waker.wakes.clear()
     worker = make_worker(slice_seconds=30.0, local_batch_seconds=0.0)
     worker.serve(long_job)
     assert waker.rings[-1] == long_job
@@ -215,7 +215,7 @@ def test_a_bug_in_the_search_fails_the_job_not_the_worker(
 @ON_SQLITE
 def test_an_unknown_job_is_no_trouble(make_worker: MakeWorker, waker: RecordingWaker) -> None:
     make_worker().serve("0123456789abcdef")
-    assert waker.rings == []
+    assert waker.wakes == []
 
 
 def test_the_heartbeat_renews_the_lease_of_a_long_run(

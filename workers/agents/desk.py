@@ -207,7 +207,7 @@ class AgentDesk:
         if why:
             raise LeaseOverError(lease_id, why)
 
-    def submission(
+    def submit(
         self, key_id: str, lease_id: str, runs: Sequence[BroughtRun], killed: int | None, wanted: Wanted | None
     ) -> tuple[bool, Grant | None]:
         """Accept the results of a lease, which ends it; return whether it was still valid, and the next lease.
@@ -286,11 +286,11 @@ class AgentDesk:
 
     def _tell(self, prepared: Prepared, answer: Exchange, grant: Grant | None) -> None:
         """Wake others where there is work for them."""
-        number = answer.rings or int(answer.left and grant is None)
+        number = answer.wakes or int(answer.left and grant is None)
         if number:
-            self._waker.ring(prepared.id, number, kind=prepared.course.problem.forward_model.kind)
-        if answer.left or answer.rings:
-            self.on_work(prepared.id, max(answer.rings, 2))
+            self._waker.wake(prepared.id, number, kind=prepared.course.problem.forward_model.kind)
+        if answer.left or answer.wakes:
+            self.on_work(prepared.id, max(answer.wakes, 2))
 
     def _most_urgent(self, needs: Sequence[str], wanted: Wanted) -> str | None:
         if self._runtime.shortage() is not None:

@@ -349,10 +349,10 @@ class JobExchange:
             claimed = hand_out.duplicate(worker, longest)
         claim = self._claim(hand_out.rows, claimed, last=not left) if claimed else None
         # Who only comes to help wakes one more.
-        rings = min(-(-left // chunk), live_workers - 1) if dispatched else int(asked.taken_up and left > 0)
+        wakes = min(-(-left // chunk), live_workers - 1) if dispatched else int(asked.taken_up and left > 0)
         short = self.typical is not None and self.typical <= self.settings.single_seconds
         waiting = self.typical if want and claim is None and short else None
-        return Exchange(claim, rings=max(rings, 0), left=left > 0, waiting=waiting)
+        return Exchange(claim, wakes=max(wakes, 0), left=left > 0, waiting=waiting)
 
     def _ahead(self, rows: GenerationRows, asked: Sequence[Asked]) -> list[GenerationRows]:
         """Rows of the generation that was begun ahead, if there is one."""

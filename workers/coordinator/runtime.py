@@ -1,4 +1,4 @@
-"""Applies events to the store: locks the job's row, calls the pure state machines, writes, commits, and then rings.
+"""Applies events to the store: locks the job's row, calls the pure state machines, writes, commits, and then wakes.
 
 Every change of a job and of its evaluations happens while the transaction holds the lock of the job's row, taken before
 anything else is read. So counting what is left of a generation and advancing it cannot race, whatever the isolation

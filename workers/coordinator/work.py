@@ -177,7 +177,7 @@ class Exchange:
     """
 
     claim: Claim | None = None
-    rings: int = 0
+    wakes: int = 0
     queued: bool = False
     left: bool = False
     waiting: float | None = None

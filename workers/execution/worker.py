@@ -262,8 +262,8 @@ class Worker:
                     raise
                 wait = min(2 * wait, LONGEST_WAIT_SECONDS)
             else:
-                if answer.rings:
-                    self.waker.wake(job_id, answer.rings, kind=_kind(course))
+                if answer.wakes:
+                    self.waker.wake(job_id, answer.wakes, kind=_kind(course))
                 return answer
 
     def _ask(self, job_id: str, course: Course, submission: Submission, turn: _Turn, *, want: bool = True) -> Exchange:
@@ -288,8 +288,8 @@ class Worker:
         """Hand in what is ready while an evaluation runs; see :data:`geoswarm.workers.execution.claim_runner.Early`."""
         try:
             answer = self._ask(job_id, course, submission, turn, want=want)
-            if answer.rings or (answer.left and not want):
-                self.waker.wake(job_id, max(answer.rings, 1), kind=_kind(course))
+            if answer.wakes or (answer.left and not want):
+                self.waker.wake(job_id, max(answer.wakes, 1), kind=_kind(course))
         except StoreUnavailableError as error:
             log.warning("worker %s: %s", self.identity.id, error)  # it is handed in again at the end
             return False, None

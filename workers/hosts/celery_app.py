@@ -1,4 +1,4 @@
-"""The Celery side: rings over Redis, and worker processes that answer them. Results and retries are not Celery's.
+"""The Celery side: wakes over Redis, and worker processes that answer them. Results and retries are not Celery's.
 
 This module imports no numerical library, so that :func:`run_celery_worker` can still limit their threads.
 """
@@ -46,7 +46,7 @@ def create_celery(settings: Settings) -> Celery:
         task_ignore_result=True,
         task_serializer="json",
         accept_content=["json"],
-        task_acks_late=False,  # a message is a hint: lost with its worker, it is rung again
+        task_acks_late=False,  # a message is a hint: lost with its worker, it is woken again
         task_publish_retry=False,
         worker_prefetch_multiplier=1,
         worker_disable_prefetch=True,  # a ring must not wait behind a long evaluation while another worker is idle

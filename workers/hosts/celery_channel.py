@@ -1,4 +1,4 @@
-"""Reads rings from Redis; what is no message of Celery is dropped in place of ending the worker."""
+"""Reads wakes from Redis; what is no message of Celery is dropped in place of ending the worker."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NO_MESSAGE = (ValueError, TypeError, KeyError, AttributeError, IndexError, Recur
 
 
 class ForgivingChannel(redis.Channel):
-    """A channel on which a message that cannot be read is lost, as any ring may be: the sweep rings again."""
+    """A channel on which a message that cannot be read is lost, as any ring may be: the sweep wakes again."""
 
     def _brpop_read(self, **options: Any) -> bool:
         try:

@@ -63,7 +63,7 @@ class PipeWaker:
                 os.write(self.write_end, b"." * min(times, room))
 
     def wait(self, seconds: float) -> bool:
-        """Wait for a ring; False when there was none in time [s]."""
+        """Wait for a wake-up; False when there was none in time [s]."""
         if not readable(self.read_end, seconds):
             return False
         try:

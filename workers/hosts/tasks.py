@@ -55,7 +55,7 @@ class _Process:
                     return
                 worker.serve(*turn)
             if not worker.stopping.is_set() and (urgent := worker.most_urgent()) is not None:
-                self.waker.wake(urgent.id, kind=urgent.forward_model)  # one ring was used, one for what is left
+                self.waker.wake(urgent.id, kind=urgent.forward_model)  # one wake-up was used, one for what is left
         except StoreUnavailableError as error:
             log.warning("worker %s: %s", worker.identity.id, error)
 
@@ -132,7 +132,7 @@ def _follow_end(process: _Process) -> None:
 
 
 def _look_around(process: _Process) -> None:
-    """Look for work that nobody rings for: Redis may be down, or Celery may no longer listen after it was."""
+    """Look for work that nobody wakes for: Redis may be down, or Celery may no longer listen after it was."""
     worker = process.worker
     while not worker.stopping.wait(worker.settings.sweep_seconds):
         if process.working.acquire(blocking=False):

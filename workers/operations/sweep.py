@@ -1,4 +1,4 @@
-"""The sweep: finds what was lost and rings for it. Every API and worker process can; one begins each interval."""
+"""The sweep: finds what was lost and wakes for it. Every API and worker process can; one begins each interval."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ class Sweeper:
 
         def forgotten(connection: Connection) -> Sequence[Record]:
             idle = count_live(connection, settings.lease_seconds) - len(busy_workers(connection))
-            # With nobody idle a ring would only lie in the queue: who becomes idle is rung for in the next sweep.
+            # With nobody idle a ring would only lie in the queue: who becomes idle is woken for in the next sweep.
             late = (settings.overdue_seconds, settings.overdue_factor)
             since = 0.9 * settings.sweep_seconds
             return claimable_jobs(connection, idle, overdue=late, not_rung_for=since) if idle > 0 else []

@@ -207,7 +207,7 @@ def note_served(connection: Connection, row: Record) -> None:
 
 
 def mark_rung(connection: Connection, job_ids: Sequence[str]) -> None:
-    """Note that a sweep rings for these jobs now, so that other sweeps need not."""
+    """Note that a sweep wakes for these jobs now, so that other sweeps need not."""
     connection.execute(update(jobs).where(jobs.c.id.in_(job_ids)).values(rung_at=database_now()))
 
 

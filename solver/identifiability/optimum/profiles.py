@@ -1,7 +1,7 @@
 """Profile objectives: the lowest objective for every value of one parameter, and the intervals they give.
 
 For each parameter and side, a chain of values walks away from the optimum; at each, the other parameters are fitted by
-Levenberg-Marquardt steps. All chains advance together, generation by generation, as any search does
+Levenberg-Marquardt steps. All paths advance together, generation by generation, as any search does
 (:class:`geoswarm.solver.search.descent.planned.ProfileSearch`): a job with ``method: {kind: profile}``, dispatched and
 resumed like every other. Here is what such a job needs, and what its evaluations tell.
 
@@ -24,7 +24,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.search.descent.planned import BLIND_STEP, ProfileSearch, ProfileSettings
-from geoswarm.solver.search.descent.profile_paths import ChainPoint
+from geoswarm.solver.search.descent.profile_paths import ProfilePoint
 
 __all__ = ["Profile", "profile_settings", "profiles_of"]
 
@@ -128,9 +128,9 @@ def profiles_of(search: ProfileSearch) -> tuple[Profile, ...]:
 
 def _profile(search: ProfileSearch, lowest: float, index: int) -> Profile:
     space, rise = search.space, float(search.settings.rise[index])
-    centre = ChainPoint(space.to_unit(search.settings.optimum), lowest)
-    chains = [chain for chain in search.chains if chain.index == index]
-    sides = [[centre, *chain.points] for chain in chains]
+    centre = ProfilePoint(space.to_unit(search.settings.optimum), lowest)
+    paths = [path for path in search.paths if path.index == index]
+    sides = [[centre, *path.points] for path in paths]
     points = [*reversed(sides[0][1:]), *sides[1]]
     natural = space.from_unit(np.array([point.unit for point in points]))
     limit = lowest + rise
@@ -146,11 +146,11 @@ def _profile(search: ProfileSearch, lowest: float, index: int) -> Profile:
         lower=bounds[0],
         upper=bounds[1],
         better=found if found < lowest - 0.05 * rise else None,
-        complete=all(chain.finished for chain in chains),
+        complete=all(path.finished for path in paths),
     )
 
 
-def _crossing(side: list[ChainPoint], index: int, lowest: float, limit: float) -> float | None:
+def _crossing(side: list[ProfilePoint], index: int, lowest: float, limit: float) -> float | None:
     """Where the profile first exceeds the limit, in parts of the range; None if it never does.
 
     Interpolated between neighbours in the root of the rise, which is straight for a parabola.

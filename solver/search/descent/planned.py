@@ -160,7 +160,7 @@ class ProfileSettings:
 
 
 class ProfileSearch:
-    """Profiles of several parameters, both sides, all chains in parallel; generation 0 has the optimum as well."""
+    """Profiles of several parameters, both sides, all paths in parallel; generation 0 has the optimum as well."""
 
     def __init__(self, space: SearchSpace, settings: ProfileSettings, snapshot: Snapshot | None = None) -> None:
         self.space = space
@@ -171,11 +171,11 @@ class ProfileSearch:
         self.failed = False
         """The optimum itself failed: there is nothing to profile."""
         if snapshot is None:
-            self.chains = self._begin()
+            self.paths = self._begin()
         else:
             self.generation, self.objective = snapshot["generation"], snapshot["objective"]
             self.failed = snapshot["failed"]
-            self.chains = tuple(ProfilePath.from_json(chain) for chain in snapshot["chains"])
+            self.paths = tuple(ProfilePath.from_json(path) for path in snapshot["chains"])
 
     def _begin(self) -> tuple[ProfilePath, ...]:
         settings = self.settings
@@ -196,13 +196,13 @@ class ProfileSearch:
     @property
     def finished(self) -> bool:
         """Whether nothing is left to evaluate."""
-        return self.failed or (self.objective is not None and all(chain.finished for chain in self.chains))
+        return self.failed or (self.objective is not None and all(path.finished for path in self.paths))
 
     def ask(self) -> FloatArray | None:
         """Positions of the current generation; None when all profiles have ended."""
         if self.finished:
             return None
-        parts = [chain.positions(self.space) for chain in self.chains if not chain.finished]
+        parts = [path.positions(self.space) for path in self.paths if not path.finished]
         first = [self.settings.optimum[None, :]] if self.objective is None else []
         return np.concatenate([*first, *parts])
 
@@ -220,14 +220,14 @@ class ProfileSearch:
         self.generation += 1
         if self.objective is None:
             return
-        chains, start = [], 0
+        paths, start = [], 0
         with one_thread():
-            for chain in self.chains:
-                size = 0 if chain.finished else self.space.dimension
+            for path in self.paths:
+                size = 0 if path.finished else self.space.dimension
                 own = rows[start : start + size]
-                chains.append(chain if chain.finished else chain.advance(self.space, own, self.objective))
+                paths.append(path if path.finished else path.advance(self.space, own, self.objective))
                 start += size
-        self.chains = tuple(chains)
+        self.paths = tuple(paths)
 
     def snapshot(self) -> Snapshot:
         """State between two generations, JSON-able."""
@@ -235,7 +235,7 @@ class ProfileSearch:
             "generation": self.generation,
             "objective": self.objective,
             "failed": self.failed,
-            "chains": [chain.to_json() for chain in self.chains],
+            "chains": [path.to_json() for path in self.paths],
         }
 
 

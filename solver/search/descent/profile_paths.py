@@ -78,9 +78,9 @@ class ProfilePath:
     def begin(
         cls, index: int, side: int, optimum: FloatArray, step: float, increase: float, *, idle: bool = False
     ) -> ProfilePath:
-        """Begin at the optimum, shape (d,), parts of the range; an ``idle`` chain has nothing to do."""
-        chain = cls(index, side, step, increase, (), optimum, optimum)
-        return replace(chain, finished=True) if idle else chain._next_value()
+        """Begin at the optimum, shape (d,), parts of the range; an ``idle`` path has nothing to do."""
+        path = cls(index, side, step, increase, (), optimum, optimum)
+        return replace(path, finished=True) if idle else path._next_value()
 
     def positions(self, space: SearchSpace) -> FloatArray:
         """The trial and a small move of each other parameter, shape (d, d), natural values."""
@@ -109,23 +109,23 @@ class ProfilePath:
         """
         succeeded = bool(np.isfinite(residuals[0]).all()) and space.feasible(space.from_unit(self.trial))
         objective = float(np.sum(residuals[0] * residuals[0])) if succeeded else None
-        chain = replace(self, iterations=self.iterations + 1)
+        path = replace(self, iterations=self.iterations + 1)
         if objective is None and self.objective is None:
             # the others cannot be kept at this value: the space ends here, as at a bound
-            return replace(chain, finished=True)
+            return replace(path, finished=True)
         if objective is None or (self.objective is not None and objective >= self.objective):
-            return replace(chain, damping=self.damping * 10.0)._next_trial(lowest, 0.0)
+            return replace(path, damping=self.damping * 10.0)._next_trial(lowest, 0.0)
         gain = np.inf if self.objective is None else self.objective - objective
         gradient, curvature = self._linearised(residuals)
-        chain = replace(
-            chain,
+        path = replace(
+            path,
             current=self.trial,
             objective=objective,
             gradient=gradient,
             curvature=curvature,
             damping=max(self.damping / 10.0, 1e-12),
         )
-        return chain._next_trial(lowest, gain)
+        return path._next_trial(lowest, gain)
 
     def _linearised(self, residuals: FloatArray) -> tuple[FloatArray, FloatArray]:
         columns = []
@@ -171,10 +171,10 @@ class ProfilePath:
             step = min(2.0 * step, 0.1)
         elif rise > 0.5 * self.increase:
             step = max(0.5 * step, 1e-9)
-        chain = replace(self, points=points, step=step)
+        path = replace(self, points=points, step=step)
         if end or len(points) >= _MOST_POINTS or self.objective >= lowest + 1.5 * self.increase:
-            return replace(chain, finished=True)
-        return chain._next_value()
+            return replace(path, finished=True)
+        return path._next_value()
 
     def _next_value(self) -> ProfilePath:
         """Go one step outwards; the other parameters go on in the direction they took last."""

@@ -99,7 +99,7 @@ def test_noise_is_needed_and_names_are_checked() -> None:
     with pytest.raises(StatisticsError, match="unknown parameter z; free: a, b"):
         profile_settings(calibration, known, parameters=["z"])
     search = ProfileSearch(calibration.space, profile_settings(calibration, known, parameters=["a"]))
-    assert {chain.index for chain in search.chains if not chain.finished} == {0}
+    assert {path.index for path in search.paths if not path.finished} == {0}
     assert profiles_of(search) == ()
     with pytest.raises(ValueError, match="needs the runs"):
         search.tell(np.ones(3))
