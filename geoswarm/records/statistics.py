@@ -180,9 +180,7 @@ class Misfit:
     stage: int | None
     reason: Literal["pattern", "repeats", "stated_error", "missed", "gross_error"]
     probability: Number = described("probability of such a deviation by chance if the model is right")
-    deviation: Number = described(
-        "root mean square of the residuals; of one reading, its distance from what the others say"
-    )
+    deviation: Number = described("root mean square of the residuals; of one reading, its distance from the others")
     largest: Number = described("largest residual, calculated - measured")
     x: Number = described("where it is")
     ratio: Number = described("residuals over the stated error; of one reading, its distance in standard deviations")
@@ -221,9 +219,7 @@ class OptimumParameter:
         "run at each end"
     )
     widening: Number = described("how many times wider correlated or uneven noise makes the interval by linearisation")
-    bending: Number = described(
-        "relative distance of an end by likelihood from the linearised one; null if not checked"
-    )
+    bending: Number = described("relative distance of an end by likelihood from the linearised one; null: not checked")
     bent: bool = described("the model is so nonlinear within the interval that a profile must give it, and none has")
     influence: float
     why_no_interval: str | None

@@ -66,7 +66,7 @@ def test_a_time_slice_ends_and_the_job_rings_for_itself(
     waker.wakes.clear()
     worker = make_worker(slice_seconds=30.0, local_batch_seconds=0.0)
     worker.serve(long_job)
-    assert waker.rings[-1] == long_job
+    assert waker.wakes[-1] == long_job
     assert service.get(long_job).state == "running"
     assert worker.next_job() == short_job  # the one that has waited longest
     worker.serve(short_job)
