@@ -18,7 +18,7 @@ from typing import Any
 
 from geoswarm.agent.trees.tree import Tree, start_tree
 
-__all__ = ["Outcome", "RunProcess", "Unwanted"]
+__all__ = ["RunOutcome", "RunProcess", "Unwanted"]
 
 log = logging.getLogger(__name__)
 
@@ -31,7 +31,7 @@ LOG_TAIL = 8192
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class RunOutcome:
     """What came of the run of this number; ``began``, ``ended``: monotonic time [s]."""
 
     index: int
@@ -75,7 +75,7 @@ class RunProcess:
 
     def run(
         self, frame: str, shared: Mapping[str, Any], runs: Sequence[Mapping[str, float]], unwanted: Callable[[], bool]
-    ) -> Iterator[Outcome]:
+    ) -> Iterator[RunOutcome]:
         """Make runs, given by the values of all parameters, in order, and give what comes of each.
 
         Parameters
@@ -110,7 +110,7 @@ class RunProcess:
                     continue  # killed from outside between two runs: none is to blame
                 now = time.monotonic()
                 began = now if ended.began is None else ended.began
-                yield Outcome(done, {}, ended.reason, ended.message, ended.log, now - began, began, now)
+                yield RunOutcome(done, {}, ended.reason, ended.message, ended.log, now - began, began, now)
                 done += 1
 
     def close(self) -> None:
@@ -180,7 +180,7 @@ class RunProcess:
         first: int,
         limits: Mapping[str, Any],
         unwanted: Callable[[], bool],
-    ) -> Iterator[Outcome]:
+    ) -> Iterator[RunOutcome]:
         self._ask({"op": "run", "runs": [(index, dict(runs[index])) for index in range(first, len(runs))]})
         state = _State()
         while True:
@@ -198,7 +198,7 @@ class RunProcess:
                 began = now if state.began is None else state.began
                 state.began = None
                 told = {name: answer[name] for name in ("responses", "reason", "message", "log", "seconds")}
-                yield Outcome(index=answer["done"], began=began, ended=now, **told)
+                yield RunOutcome(index=answer["done"], began=began, ended=now, **told)
             if "over" in answer:
                 if answer["renew"]:
                     self._kill()

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from geoswarm.agent.backoff import Backoff
 from geoswarm.agent.beats import Beats
 from geoswarm.agent.errors import KeyRefusedError, LeaseEndedError, RejectedError, UnreachableError
-from geoswarm.agent.runs import Outcome, RunProcess, Unwanted
+from geoswarm.agent.runs import RunOutcome, RunProcess, Unwanted
 from geoswarm.agent.server import Lease
 from geoswarm.solver.forward.registry import parse_spec
 
@@ -70,7 +70,7 @@ class Slot(threading.Thread):
         agent = self._agent
         shared = agent.frames.learn(lease.frame, lease.shared)
         began = time.monotonic()
-        outcomes: dict[int, Outcome] = {}
+        outcomes: dict[int, RunOutcome] = {}
         killed: int | None = None
         if shared is not None:
             with Beats(agent.server, lease.id, agent.terms.heartbeat_seconds) as beats:
@@ -147,7 +147,7 @@ def shown_by(shared: Mapping[str, Any] | None) -> Callable[[str], str]:
 
 def brought(
     lease: Lease,
-    outcomes: Mapping[int, Outcome],
+    outcomes: Mapping[int, RunOutcome],
     killed: int | None,
     began: float,
     shown: Callable[[str], str],

@@ -15,7 +15,7 @@ from geoswarm.verification.catalogue import CHAPTERS, Chapter
 from geoswarm.verification.figure import plot_figure
 from geoswarm.verification.provenance import Provenance
 from geoswarm.verification.results import check_row, outcomes_json, summary
-from geoswarm.verification.run import Outcome
+from geoswarm.verification.run import CaseResult
 
 __all__ = ["INDEX", "declared", "page_name", "write_markdown", "write_pages"]
 
@@ -30,7 +30,7 @@ HOW_TO_READ = (
 )
 
 
-def write_pages(outcomes: Sequence[Outcome], where: Provenance, folder: Path) -> Path:
+def write_pages(outcomes: Sequence[CaseResult], where: Provenance, folder: Path) -> Path:
     """Write ``index.html``, the Markdown pages with their figures and ``results.json``; return the first.
 
     Needs the extra ``plots``. The folder is made.
@@ -43,7 +43,7 @@ def write_pages(outcomes: Sequence[Outcome], where: Provenance, folder: Path) ->
     return path
 
 
-def write_markdown(outcomes: Sequence[Outcome], where: Provenance, folder: Path) -> list[Path]:
+def write_markdown(outcomes: Sequence[CaseResult], where: Provenance, folder: Path) -> list[Path]:
     """Write ``README.md``, a page for each chapter that was run, and the figures; return the pages."""
     (folder / FIGURES).mkdir(parents=True, exist_ok=True)
     chapters = _by_chapter(outcomes)
@@ -63,12 +63,12 @@ def page_name(chapter: Chapter) -> str:
     return f"{chapter.name}.md"
 
 
-def _by_chapter(outcomes: Sequence[Outcome]) -> list[tuple[Chapter, list[Outcome]]]:
+def _by_chapter(outcomes: Sequence[CaseResult]) -> list[tuple[Chapter, list[CaseResult]]]:
     found = [(chapter, [one for one in outcomes if one.case in chapter.cases]) for chapter in CHAPTERS]
     return [(chapter, those) for chapter, those in found if those]
 
 
-def _index(chapters: Sequence[tuple[Chapter, Sequence[Outcome]]], where: Provenance) -> str:
+def _index(chapters: Sequence[tuple[Chapter, Sequence[CaseResult]]], where: Provenance) -> str:
     outcomes = [one for _, those in chapters for one in those]
     parts = [
         "# Verification",
@@ -87,13 +87,13 @@ def _index(chapters: Sequence[tuple[Chapter, Sequence[Outcome]]], where: Provena
     return "\n\n".join(parts) + "\n"
 
 
-def _facts(where: Provenance, outcomes: Sequence[Outcome]) -> str:
+def _facts(where: Provenance, outcomes: Sequence[CaseResult]) -> str:
     listed = ", ".join(f"{name} {number}" for name, number in where.versions.items())
     seconds = duration(sum(one.seconds for one in outcomes))
     return _escaped(f"Run on {where.machine}, {where.system}, on {where.date} in {seconds}, with {listed}.")
 
 
-def _page(chapter: Chapter, outcomes: Sequence[Outcome]) -> str:
+def _page(chapter: Chapter, outcomes: Sequence[CaseResult]) -> str:
     parts = [f"# Verification: {chapter.title}", f"How to read it: [Verification]({INDEX})."]
     for one in outcomes:
         parts += declared(one.case)
@@ -138,7 +138,7 @@ def _anchor(title: str) -> str:
     return re.sub(r"[-\s]+", "-", re.sub(r"[^\w\s-]", "", title).strip().lower())
 
 
-def _html(outcomes: Sequence[Outcome], where: Provenance) -> str:
+def _html(outcomes: Sequence[CaseResult], where: Provenance) -> str:
     from markupsafe import Markup
 
     pictures = {}

@@ -10,7 +10,7 @@ from typing import Any
 from geoswarm.solver.words import number
 from geoswarm.verification.case import Check
 from geoswarm.verification.provenance import Provenance
-from geoswarm.verification.run import Outcome
+from geoswarm.verification.run import CaseResult
 
 __all__ = ["Row", "check_row", "outcomes_json", "summary"]
 
@@ -49,7 +49,7 @@ def check_row(one: Check, *, plain: bool = False) -> Row:
     )
 
 
-def outcomes_json(outcomes: Sequence[Outcome], where: Provenance) -> dict[str, Any]:
+def outcomes_json(outcomes: Sequence[CaseResult], where: Provenance) -> dict[str, Any]:
     """Return all outcomes with where they come from; a value that is not finite is None."""
     return {
         "holds": all(one.state != "fails" for one in outcomes),
@@ -76,7 +76,7 @@ def _check_json(one: Check) -> dict[str, Any]:
     return {"quantity": one.quantity, "unit": one.unit, **finite, **rest}
 
 
-def summary(outcomes: Sequence[Outcome]) -> str:
+def summary(outcomes: Sequence[CaseResult]) -> str:
     """Say how many cases there are and how they ended."""
     count = {state: sum(one.state == state for one in outcomes) for state in ("holds", "fails", "left out")}
     words = f"{count['holds']} of {len(outcomes)} cases hold"

@@ -11,13 +11,13 @@ from geoswarm.solver.errors import SolverError
 from geoswarm.solver.system.extras import extra_of, has
 from geoswarm.verification.case import Answer, Case, Check
 
-__all__ = ["Outcome", "State", "run_cases"]
+__all__ = ["CaseResult", "State", "run_cases"]
 
 State = Literal["holds", "fails", "left out"]
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class CaseResult:
     """A case that was run, or why it could not be.
 
     Parameters
@@ -48,21 +48,21 @@ class Outcome:
         return max(self.answer.checks, key=lambda one: one.difference / one.allowed)
 
 
-def run_cases(cases: Sequence[Case]) -> Iterator[Outcome]:
+def run_cases(cases: Sequence[Case]) -> Iterator[CaseResult]:
     """Run cases one after the other and yield each outcome when it is there."""
     for one in cases:
         yield _run(one)
 
 
-def _run(one: Case) -> Outcome:
+def _run(one: Case) -> CaseResult:
     missing = [module for module in one.needs if not has(module)]
     if missing:
         extra = extra_of(missing[0]) or missing[0]
-        return Outcome(one, None, 0.0, f"needs the extra {extra}", "left out")
+        return CaseResult(one, None, 0.0, f"needs the extra {extra}", "left out")
     began = time.perf_counter()
     try:
         answer = one.calculate()
     except SolverError as error:  # a calculation that finds no solution is a case that fails
-        return Outcome(one, None, time.perf_counter() - began, str(error), "fails")
+        return CaseResult(one, None, time.perf_counter() - began, str(error), "fails")
     seconds = time.perf_counter() - began
-    return Outcome(one, answer, seconds, "", "holds" if all(c.holds for c in answer.checks) else "fails")
+    return CaseResult(one, answer, seconds, "", "holds" if all(c.holds for c in answer.checks) else "fails")

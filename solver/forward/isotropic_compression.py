@@ -14,7 +14,7 @@ from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
 from geoswarm.solver.laws.base import Soil
-from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel
 
 __all__ = ["IsotropicCompressionModel", "IsotropicCompressionSpec"]
@@ -72,7 +72,7 @@ class IsotropicCompressionSpec(StagedLoadSpec):
     def sketch(self) -> Sketch:
         """A cylinder under all-round pressure in stages."""
         load = Load("p′", "all-round effective stress")
-        specimen = Specimen(
+        specimen = SpecimenSketch(
             self.material_in_words,
             "membrane",
             load,

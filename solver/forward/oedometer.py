@@ -17,7 +17,7 @@ from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
 from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Soil
-from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel
 
 __all__ = ["OedometerModel", "OedometerSpec"]
@@ -88,7 +88,7 @@ class OedometerSpec(StagedLoadSpec):
     def sketch(self) -> Sketch:
         """A flat specimen in a ring under loads in stages."""
         load = Load("σ′v", "vertical effective stress")
-        specimen = Specimen(
+        specimen = SpecimenSketch(
             self.material_in_words,
             "ring",
             load,

@@ -19,7 +19,7 @@ from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.laws.base import Soil
 
-__all__ = ["Specimen", "specimen_mesh"]
+__all__ = ["StagedSpecimen", "specimen_mesh"]
 
 _SOIL = "soil"
 
@@ -40,7 +40,7 @@ def specimen_mesh(radius: float, height: float, columns: int, rows: int) -> Mesh
 
 
 @dataclass(frozen=True)
-class Specimen:
+class StagedSpecimen:
     """A specimen under constant loads in stages.
 
     Parameters

@@ -31,7 +31,7 @@ from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 
 if TYPE_CHECKING:
-    from geoswarm.solver.forward.specimen import Specimen
+    from geoswarm.solver.forward.specimen import StagedSpecimen
 
 __all__ = ["StagedLoadModel"]
 
@@ -255,14 +255,14 @@ class StagedLoadModel(ABC):
         return run_isolated(run, [self.law] if isinstance(self.law, UserLaw) else [])
 
     @cached_property
-    def specimen(self) -> Specimen:
+    def specimen(self) -> StagedSpecimen:
         """The specimen as a boundary value problem."""
         from geoswarm.solver.fem.phases import Control
-        from geoswarm.solver.forward.specimen import Specimen, specimen_mesh
+        from geoswarm.solver.forward.specimen import StagedSpecimen, specimen_mesh
 
         spec = self.spec
         mesh = spec.mesh or SpecimenMesh()
-        return Specimen(
+        return StagedSpecimen(
             specimen_mesh(spec.radius, spec.height, mesh.columns, mesh.rows),
             spec.height,
             spec.radius,

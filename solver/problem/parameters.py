@@ -27,7 +27,7 @@ __all__ = [
     "check_against_model",
     "link_order",
     "missing_parameters",
-    "outside_limits",
+    "limit_mistake",
     "parse_known",
 ]
 
@@ -224,11 +224,11 @@ def _limit_issues(parameter: Parameter, info: ParameterInfo) -> list[Issue]:
         values = {"value": parameter.value}
     else:
         return []
-    mistakes = ((key, outside_limits(value, info)) for key, value in values.items())
+    mistakes = ((key, limit_mistake(value, info)) for key, value in values.items())
     return [Issue(f"parameters.{parameter.name}.{key}", message) for key, message in mistakes if message]
 
 
-def outside_limits(value: float, info: ParameterInfo) -> str | None:
+def limit_mistake(value: float, info: ParameterInfo) -> str | None:
     """Why a value violates the model's limits, or None."""
     unit = f" {info.unit}" if info.unit and info.unit != "dimensionless" else ""
     if info.set_by:

@@ -18,8 +18,8 @@ from geoswarm.solver.problem.parameters import (
     FreeParameter,
     LinkedParameter,
     Parameter,
+    limit_mistake,
     link_order,
-    outside_limits,
 )
 from geoswarm.solver.problem.running import Answering, Failures, Limits
 from geoswarm.solver.problem.sections import NoiseSection, Stopping
@@ -178,7 +178,7 @@ class Problem:
             if not constraint.value(values):
                 return False
         for name, info in self._link_limits:
-            if outside_limits(values[name], info) is not None:
+            if limit_mistake(values[name], info) is not None:
                 return False
         return self.model.check(values) is None
 

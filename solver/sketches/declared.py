@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-__all__ = ["Drains", "End", "Ground", "Layer", "Load", "Panel", "Reading", "Sketch", "Specimen", "Track"]
+__all__ = ["Drains", "End", "Ground", "Layer", "Load", "Panel", "Reading", "Sketch", "SpecimenSketch", "Track"]
 
 End: TypeAlias = Literal["drained", "shut", "closed"]
 """Of a specimen: a porous stone where water leaves, one whose valve is shut, or a plate that lets no water through."""
@@ -32,7 +32,7 @@ class Reading:
 
 
 @dataclass(frozen=True, slots=True)
-class Specimen:
+class SpecimenSketch:
     """A specimen in its apparatus.
 
     Parameters
@@ -168,5 +168,5 @@ class Sketch:
     """Everything of one test: its name in words, the specimen or the ground, and the programme."""
 
     test: str
-    body: Specimen | Ground
+    body: SpecimenSketch | Ground
     programme: tuple[Panel, ...]

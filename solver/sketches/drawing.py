@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from geoswarm.solver.sketches.declared import Ground, Sketch, Specimen
+from geoswarm.solver.sketches.declared import Ground, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.ground import draw_ground
 from geoswarm.solver.sketches.lengths import ground_length, specimen_length
 from geoswarm.solver.sketches.panels import draw_programme
@@ -55,7 +55,7 @@ def drawings(sketch: Sketch) -> tuple[Told, ...]:
     return (body, Told("Loading programme", draw_programme(sketch.programme), words))
 
 
-def _of_specimen(one: Specimen) -> str:
+def _of_specimen(one: SpecimenSketch) -> str:
     size = [f"height h = {specimen_length(one.height)}"] if one.height is not None else []
     size += [f"diameter d = {specimen_length(one.diameter)}"] if one.diameter is not None else []
     parts = [f"Specimen of {one.material}, {_HELD[one.held]}{''.join(f', {text}' for text in size)}."]
@@ -69,7 +69,7 @@ def _of_specimen(one: Specimen) -> str:
     return " ".join(parts)
 
 
-def _drainage(one: Specimen) -> str:
+def _drainage(one: SpecimenSketch) -> str:
     ends = {"top": one.top, "base": one.base}
     drained = [name for name, end in ends.items() if end == "drained"]
     if not drained:

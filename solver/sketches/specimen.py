@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
-from geoswarm.solver.sketches.declared import End, Specimen
+from geoswarm.solver.sketches.declared import End, SpecimenSketch
 from geoswarm.solver.sketches.lengths import specimen_length
 from geoswarm.solver.sketches.shapes import Drawing, Sheet, text_width
 
@@ -22,7 +22,7 @@ _PLATEN, _STONE, _RING = 7.0, 10.0, 9.0
 _NAME = 11.0
 
 
-def draw_specimen(specimen: Specimen) -> Drawing:
+def draw_specimen(specimen: SpecimenSketch) -> Drawing:
     """Draw a specimen with what acts on it, to scale as far as it can be read."""
     sheet = Sheet(_WIDTH)
     width, height = _size(specimen)
@@ -52,7 +52,7 @@ def draw_specimen(specimen: Specimen) -> Drawing:
     return sheet.done(bottom + 6.0)
 
 
-def _size(specimen: Specimen) -> tuple[float, float]:
+def _size(specimen: SpecimenSketch) -> tuple[float, float]:
     ratio = _USUAL[specimen.held]
     if specimen.height is not None and specimen.diameter is not None:
         ratio = specimen.height / specimen.diameter
@@ -73,7 +73,7 @@ def _end(sheet: Sheet, end: End, left: float, y: float, width: float) -> None:
         sheet.dot((x, y + _STONE * (0.33 if number % 2 else 0.67)), 1.1, "muted")
 
 
-def _side(sheet: Sheet, specimen: Specimen, left: float, top: float, width: float, height: float) -> float:
+def _side(sheet: Sheet, specimen: SpecimenSketch, left: float, top: float, width: float, height: float) -> float:
     """What holds the side; how far from the specimen the height can be written."""
     right, base = left + width, top + height
     if specimen.held == "ring":
@@ -102,7 +102,7 @@ def _name(sheet: Sheet, material: str, left: float, top: float, width: float, he
         sheet.text((left + 0.5 * width, first + number * (size + 2.0)), line, size=size)
 
 
-def _loads(sheet: Sheet, specimen: Specimen, left: float, top: float, width: float, height: float) -> None:
+def _loads(sheet: Sheet, specimen: SpecimenSketch, left: float, top: float, width: float, height: float) -> None:
     middle = left + 0.5 * width
     for part in (0.3, 0.5, 0.7):
         sheet.arrow((left + part * width, 22.0), (left + part * width, _TOP - 1.0), "load")
@@ -119,7 +119,7 @@ def _loads(sheet: Sheet, specimen: Specimen, left: float, top: float, width: flo
         sheet.text((left - 22.0, level - 7.0), specimen.shear.symbol)
 
 
-def _water(sheet: Sheet, specimen: Specimen, left: float, base: float) -> None:
+def _water(sheet: Sheet, specimen: SpecimenSketch, left: float, base: float) -> None:
     """Where water leaves, and under which pressure; a cross where a valve is shut."""
     below = base + _STONE + _PLATEN
     x = left + 5.0
@@ -137,7 +137,7 @@ def _water(sheet: Sheet, specimen: Specimen, left: float, base: float) -> None:
         sheet.text((left - 3.0, 45.0), f"{specimen.back_pressure:g} kPa", "end")
 
 
-def _readings(sheet: Sheet, specimen: Specimen, left: float, top: float, width: float, height: float) -> None:
+def _readings(sheet: Sheet, specimen: SpecimenSketch, left: float, top: float, width: float, height: float) -> None:
     """A gauge with its symbol wherever something is measured."""
     right, base = left + width, top + height
     beside = right + 26.0

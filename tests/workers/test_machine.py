@@ -16,10 +16,10 @@ from geoswarm.workers.states.job import (
     DispatchGeneration,
     FinishJob,
     GenerationJoined,
-    Job,
     JobBroken,
     JobEvent,
     JobStarted,
+    JobStatus,
     Joined,
     PauseRequested,
     PublishEvent,
@@ -53,7 +53,7 @@ EVENTS: st.SearchStrategy[JobEvent] = st.one_of(
 
 
 def run(events: Sequence[JobEvent]) -> list[Transition]:
-    transitions = [Transition(Job())]
+    transitions = [Transition(JobStatus())]
     for event in events:
         try:
             transitions.append(apply(transitions[-1].job, event, COURSE))
@@ -91,7 +91,7 @@ def test_invariants_hold_whatever_the_order(events: list[JobEvent]) -> None:
 
 
 def test_a_generation_that_joins_twice_counts_once() -> None:
-    started = apply(Job(), JobStarted(START)).job
+    started = apply(JobStatus(), JobStarted(START)).job
     event = GenerationJoined(0, [Joined(float(i)) for i in range(6)], 1.0)
     once = apply(started, event, COURSE)
     twice = apply(once.job, event, COURSE)
@@ -100,7 +100,7 @@ def test_a_generation_that_joins_twice_counts_once() -> None:
 
 
 def test_pause_keeps_the_state_of_the_search() -> None:
-    started = apply(Job(), JobStarted(START)).job
+    started = apply(JobStatus(), JobStarted(START)).job
     paused = apply(started, PauseRequested()).job
     resumed = apply(paused, ResumeRequested())
     assert paused.state == "paused"
@@ -109,13 +109,13 @@ def test_pause_keeps_the_state_of_the_search() -> None:
 
 
 def test_a_job_paused_before_its_start_is_queued_again() -> None:
-    paused = apply(Job(), PauseRequested()).job
+    paused = apply(JobStatus(), PauseRequested()).job
     assert apply(paused, JobStarted(START)) == Transition(paused)
     assert apply(paused, ResumeRequested()).job.state == "queued"
 
 
 def test_without_one_success_the_job_fails_with_the_reasons_counted() -> None:
-    job = apply(Job(), JobStarted(START)).job
+    job = apply(JobStatus(), JobStarted(START)).job
     results = [Joined(None, "diverged", "step 3")] * 4 + [Joined(None, "not_finite", "y")] * 2
     while job.state == "running":
         job = apply(job, GenerationJoined(job.generation, results, 1.0), COURSE).job
@@ -124,7 +124,7 @@ def test_without_one_success_the_job_fails_with_the_reasons_counted() -> None:
 
 
 def test_a_program_that_always_fails_ends_the_job_after_its_first_generation() -> None:
-    started = apply(Job(), JobStarted(START)).job
+    started = apply(JobStatus(), JobStarted(START)).job
     failed = [Joined(None, "program_failed", "no such file")] * 5
     job = apply(started, GenerationJoined(0, [*failed, Joined(None, "no_output", "b")], 1.0), COURSE).job
     assert (job.state, job.stop_reasons) == ("failed", ("all_failed",))
@@ -136,7 +136,7 @@ def test_a_program_that_always_fails_ends_the_job_after_its_first_generation() -
 
 
 def test_runs_with_one_objective_are_told_until_one_differs() -> None:
-    started = apply(Job(), JobStarted(START)).job
+    started = apply(JobStatus(), JobStarted(START)).job
     alike = apply(started, GenerationJoined(0, [*[Joined(2.0)] * 5, Joined(None, "diverged")], 1.0), COURSE).job
     assert "all 5 runs so far gave the same objective" in str(alike_warning(alike.alike))
     more = apply(alike, GenerationJoined(1, [Joined(2.0)] * 6, 1.0), COURSE).job
@@ -146,17 +146,17 @@ def test_runs_with_one_objective_are_told_until_one_differs() -> None:
 
 
 def test_an_infeasible_space_fails_the_job_with_its_message() -> None:
-    ended = apply(Job(), JobStarted(InfeasibleSpaceError("nothing satisfies a > b")))
+    ended = apply(JobStatus(), JobStarted(InfeasibleSpaceError("nothing satisfies a > b")))
     assert (ended.job.state, ended.job.error) == ("failed", "nothing satisfies a > b")
 
 
 @pytest.mark.parametrize("event", [PauseRequested(), ResumeRequested(), CancelRequested()])
 def test_an_ended_job_refuses_requests_and_says_what_is_accepted(event: JobEvent) -> None:
     with pytest.raises(InvalidTransitionError, match=r"cannot \w+ a job that is finished; accepted states: "):
-        apply(Job(state="finished"), event)
+        apply(JobStatus(state="finished"), event)
 
 
 def test_joining_too_few_results_is_an_error_of_the_program() -> None:
-    started = apply(Job(), JobStarted(START)).job
+    started = apply(JobStatus(), JobStarted(START)).job
     with pytest.raises(ValueError, match="joins 1 results of 6 particles"):
         apply(started, GenerationJoined(0, [Joined(1.0)], 1.0), COURSE)

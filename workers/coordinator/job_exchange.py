@@ -29,8 +29,8 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import (
     DispatchGeneration,
     GenerationJoined,
-    Job,
     JobBroken,
+    JobStatus,
     Joined,
     Transition,
     apply,
@@ -47,7 +47,7 @@ ENOUGH = 32  # results of generation 0 that tell what a run costs
 class Due:
     """A complete generation of a search that learns from all runs: to be closed with no transaction open."""
 
-    job: Job
+    job: JobStatus
     joined: GenerationJoined
     stopping: str | None = None
 
@@ -88,12 +88,12 @@ class JobExchange:
         self.failures = course.problem.failures
         self.state: str = locked.row.state
         self.typical: float | None = locked.row.typical_seconds
-        self._job: Job | None = None
+        self._job: JobStatus | None = None
         self.fatal: str | None = None
         self.due: Due | None = None
 
     @property
-    def job(self) -> Job | None:
+    def job(self) -> JobStatus | None:
         """State of the job in the state machine, None before its start; read on first use."""
         if self._job is None and self.locked.row.progress is not None:
             self._job = self.locked.job()

@@ -12,7 +12,7 @@ from sqlalchemy import Connection
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
-from geoswarm.workers.states.job import Job, Joined, Transition
+from geoswarm.workers.states.job import JobStatus, Joined, Transition
 
 __all__ = ["AgentSide", "Asked", "Claim", "Exchange", "Submission", "LocalBatch", "Result", "Sizing", "joined"]
 
@@ -49,7 +49,7 @@ class Claim:
     positions: FloatArray
     now: float
     run_seconds: float
-    job: Job | None
+    job: JobStatus | None
     typical: float | None = None
     stopping: str | None = None
     last: bool = False

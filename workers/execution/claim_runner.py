@@ -17,7 +17,7 @@ from geoswarm.workers.execution.heartbeat import Heartbeat
 from geoswarm.workers.execution.limits import limits_of
 from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.states.job import GenerationJoined, Job, apply
+from geoswarm.workers.states.job import GenerationJoined, JobStatus, apply
 from geoswarm.workers.tracing import record_span
 
 __all__ = ["Early", "ClaimRunner"]
@@ -93,7 +93,7 @@ class ClaimRunner:
                 return Submission(self._held, (), part.generation, self._results[self._handed_in :], killed)
             part, self._ahead = self._ahead, None
 
-    def _run_local_batch(self, job: Job) -> Submission:
+    def _run_local_batch(self, job: JobStatus) -> Submission:
         """Run whole generations in a row."""
         claim = self._claim
         began = time.monotonic()

@@ -35,7 +35,7 @@ from geoswarm.workers.queries.queue import first_place
 from geoswarm.workers.states.job import (
     DispatchGeneration,
     DropGeneration,
-    Job,
+    JobStatus,
     PublishEvent,
     RecordGeneration,
     Transition,
@@ -113,11 +113,11 @@ class LockedJob:
         """Id of the job."""
         return str(self.row.id)
 
-    def job(self) -> Job:
+    def job(self) -> JobStatus:
         """Return what the state machine knows of it."""
         row = self.row if self.brief is None else self.brief.execute(STATE_OF_MACHINE, {"job_id": self.id}).one()
         failures = unpack_json(row.failures)
-        return Job(
+        return JobStatus(
             state=row.state,
             progress=None if row.progress is None else Progress.from_json(unpack_json(row.progress)),
             generations=row.generations,

@@ -22,7 +22,7 @@ from geoswarm.workers.queries.evaluations import get_evaluation
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_array, unpack_problem, unpack_responses
 
-__all__ = ["Body", "BodyService", "Fields", "Vector"]
+__all__ = ["EvaluatedBody", "BodyService", "Fields", "Vector"]
 
 FindRow = Callable[[Connection, str], Any]
 
@@ -43,7 +43,7 @@ class Vector:
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class EvaluatedBody:
     """The body of one evaluation.
 
     Parameters
@@ -109,7 +109,7 @@ class BodyService:
 
     def body(
         self, job_id: str, *, part: str | None = None, generation: int | None = None, particle: int | None = None
-    ) -> Body:
+    ) -> EvaluatedBody:
         """Return the body of an evaluation, the best one unless another is named; no forward run.
 
         Raises
@@ -137,7 +137,7 @@ class BodyService:
         model, own = found
         mesh = model.nominal if free is None else model.mesh({**model.body.nominal, **own})
         responses = {} if evaluation is None or evaluation.responses is None else unpack_responses(evaluation.responses)
-        return Body(
+        return EvaluatedBody(
             problem,
             model,
             chosen,
@@ -150,7 +150,7 @@ class BodyService:
             _vectors(problem, model, mesh, f"{chosen}." if chosen else "", responses),
         )
 
-    def fields(self, job_id: str, body: Body, start: str | None, end: str) -> Fields:
+    def fields(self, job_id: str, body: EvaluatedBody, start: str | None, end: str) -> Fields:
         """Return displacements and strains between the ends of two phases; runs the forward model unless it has.
 
         Parameters

@@ -38,7 +38,7 @@ __all__ = [
     "GenerationJoined",
     "GoOnRequested",
     "Instruction",
-    "Job",
+    "JobStatus",
     "JobBroken",
     "JobEvent",
     "JobRefused",
@@ -56,7 +56,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True)
-class Job:
+class JobStatus:
     """What the machine knows of a job.
 
     Parameters
@@ -205,11 +205,11 @@ Instruction: TypeAlias = DispatchGeneration | DropGeneration | RecordGeneration 
 class Transition:
     """New state and what is to be done; nothing to be done: the event was a duplicate or came too late."""
 
-    job: Job
+    job: JobStatus
     instructions: tuple[Instruction, ...] = ()
 
 
-def apply(job: Job, event: JobEvent, course: Course | None = None) -> Transition:
+def apply(job: JobStatus, event: JobEvent, course: Course | None = None) -> Transition:
     """Apply one event; pure.
 
     Parameters
@@ -254,7 +254,7 @@ def apply(job: Job, event: JobEvent, course: Course | None = None) -> Transition
             assert_never(event)
 
 
-def _start(job: Job, progress: Progress | InfeasibleSpaceError) -> Transition:
+def _start(job: JobStatus, progress: Progress | InfeasibleSpaceError) -> Transition:
     if job.state != "queued":
         return Transition(job)
     if isinstance(progress, InfeasibleSpaceError):
@@ -263,7 +263,7 @@ def _start(job: Job, progress: Progress | InfeasibleSpaceError) -> Transition:
     return _move(started, *_dispatch(progress), WakeWorkers())
 
 
-def _join(job: Job, event: GenerationJoined, course: Course | None) -> Transition:
+def _join(job: JobStatus, event: GenerationJoined, course: Course | None) -> Transition:
     progress = job.progress
     if job.state != "running" or progress is None or event.generation != progress.generation:
         return Transition(job)
@@ -307,7 +307,7 @@ def _join(job: Job, event: GenerationJoined, course: Course | None) -> Transitio
     return Transition(ended.job, (*done, *ended.instructions))
 
 
-def _go_on(job: Job) -> Transition:
+def _go_on(job: JobStatus) -> Transition:
     """Ended by a criterion, the next generation is known but was never begun; cancelled, it is there already."""
     if job.progress is None:
         return _move(replace(job, state="queued"), WakeWorkers())
@@ -326,16 +326,16 @@ def _dispatch(progress: Progress, *, begun: bool = False) -> list[DispatchGenera
     return dispatched
 
 
-def _end(job: Job, state: JobState) -> Transition:
+def _end(job: JobStatus, state: JobState) -> Transition:
     return _move(replace(job, state=state), FinishJob())
 
 
-def _move(job: Job, *instructions: Instruction) -> Transition:
+def _move(job: JobStatus, *instructions: Instruction) -> Transition:
     data = {"state": job.state, "stop_reasons": list(job.stop_reasons), "error": job.error}
     return Transition(job, (PublishEvent("state", data), *instructions))
 
 
-def _require(action: str, job: Job, *accepted: JobState) -> None:
+def _require(action: str, job: JobStatus, *accepted: JobState) -> None:
     if job.state not in accepted:
         raise InvalidTransitionError(action, job.state, accepted)
 

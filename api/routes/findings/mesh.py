@@ -17,7 +17,7 @@ from geoswarm.workers.errors import NoBodyError
 from geoswarm.workers.service.job_service import JobService
 
 if TYPE_CHECKING:
-    from geoswarm.workers.service.bodies import Body
+    from geoswarm.workers.service.bodies import EvaluatedBody
 
 __all__ = ["router"]
 
@@ -135,7 +135,7 @@ async def fields(
     return await anyio.to_thread.run_sync(calculate, limiter=limiter(request, "test runs"))
 
 
-def _body(service: JobService, job_id: str, wanted: Wanted) -> Body:
+def _body(service: JobService, job_id: str, wanted: Wanted) -> EvaluatedBody:
     try:
         return service.bodies.body(job_id, part=wanted.part, generation=wanted.generation, particle=wanted.particle)
     except NoBodyError as error:

@@ -16,7 +16,7 @@ from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_tabl
 
 if TYPE_CHECKING:
     from geoswarm.verification.case import Case
-    from geoswarm.verification.run import Outcome
+    from geoswarm.verification.run import CaseResult
 
 __all__ = ["verify_command"]
 
@@ -102,7 +102,7 @@ def _run(cases: Sequence[Case], output: Path | None, as_json: bool) -> None:
         note("What was left out needs an extra; its line names it.")
 
 
-def _line(outcome: Outcome, width: int) -> str:
+def _line(outcome: CaseResult, width: int) -> str:
     """One line: the worst check with both values, or why there is none."""
     from geoswarm.verification.results import check_row
 

@@ -11,7 +11,7 @@ from geoswarm.solver.forward.fields import require_stage
 from geoswarm.solver.forward.staged_section import MAX_STAGES, MAX_STRESS
 from geoswarm.solver.laboratory.flow.consolidation_model import ConsolidationModel
 from geoswarm.solver.laboratory.section import FlowSpec, Loading
-from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel
 
 __all__ = ["ConsolidationSpec"]
@@ -82,7 +82,7 @@ class ConsolidationSpec(FlowSpec):
         """A flat specimen in a ring, drained on one side or on two, under loads in stages."""
         load = Load("σv", "total vertical stress less the back pressure")
         one_side = self.drainage == "one_side"
-        specimen = Specimen(
+        specimen = SpecimenSketch(
             self.material_in_words,
             "ring",
             load,

@@ -16,7 +16,7 @@ from geoswarm.solver.laboratory.pace import Hold
 from geoswarm.solver.laboratory.section import FlowSpec, Part, exactly_one
 from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.laboratory.shear_stages import ShearStage
-from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import movement_panels
 
 __all__ = ["CrsMovement", "CrsOedometerSpec"]
@@ -116,7 +116,7 @@ class CrsOedometerSpec(FlowSpec):
 
     def sketch(self) -> Sketch:
         """A flat specimen in a ring, drained at the top, whose top is moved."""
-        specimen = Specimen(
+        specimen = SpecimenSketch(
             self.material_in_words,
             "ring",
             Load("σv", "total vertical stress less the back pressure, while the top is moved"),

@@ -16,7 +16,7 @@ from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.shear.simple_shear_model import SimpleShearModel
 from geoswarm.solver.laboratory.shear_modulus import over_strain, shear_modulus_diagram
 from geoswarm.solver.laboratory.shear_sketch import is_timed
-from geoswarm.solver.sketches.declared import Load, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
 
 __all__ = ["DirectSimpleShearSpec", "SimpleShearConsolidation"]
@@ -164,7 +164,7 @@ class DirectSimpleShearSpec(LaboratorySpec):
             if keeps
             else Reading("εv", "vertical strain", "top")
         )
-        specimen = Specimen(
+        specimen = SpecimenSketch(
             self.material_in_words,
             "sliding rings",
             normal,

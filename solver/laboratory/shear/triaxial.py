@@ -17,7 +17,7 @@ from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
 from geoswarm.solver.laboratory.shear_modulus import over_strain, shear_modulus_diagram
 from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.laws.initial_voids import knows_voids
-from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, Specimen
+from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
 
 __all__ = ["TriaxialConsolidation", "TriaxialSpec"]
@@ -212,7 +212,7 @@ class TriaxialSpec(LaboratorySpec):
             readings.append(Reading("εv", "volumetric strain, by the water that leaves", "water"))
         end: Literal["shut", "drained"] = "shut" if undrained else "drained"
         axial, radial = Load("σ′a", "axial effective stress"), Load("σ′r", "radial effective stress")
-        specimen = Specimen(
+        specimen = SpecimenSketch(
             self.material_in_words,
             "membrane",
             Load("σ′a = σ′r + q", axial.words),

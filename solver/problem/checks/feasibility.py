@@ -9,7 +9,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.problem.parameters import FreeParameter, outside_limits
+from geoswarm.solver.problem.parameters import FreeParameter, limit_mistake
 from geoswarm.solver.problem.problem import Problem
 
 __all__ = ["TRIED_POINTS", "estimates_in_conflict", "infeasibility"]
@@ -91,7 +91,7 @@ def _refusal(problem: Problem, values: dict[str, float]) -> str:
         return f"{undefined[0]} is not a finite number"
     infos = {info.name: info for info in problem.model.parameters}
     for name in values.keys() & infos.keys():
-        message = outside_limits(values[name], infos[name])
+        message = limit_mistake(values[name], infos[name])
         if message is not None:
             return f"{name} {message}"
     return problem.model.check(values) or "refused by the forward model"

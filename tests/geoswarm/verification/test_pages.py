@@ -14,7 +14,7 @@ from geoswarm.verification.catalogue import CHAPTERS, find_cases
 from geoswarm.verification.figure import plot_figure
 from geoswarm.verification.pages import INDEX, declared, page_name, write_pages
 from geoswarm.verification.provenance import provenance
-from geoswarm.verification.run import Outcome, run_cases
+from geoswarm.verification.run import CaseResult, run_cases
 from tests.contracts.repository import ROOT
 
 DOCS = ROOT / "docs" / "verification"
@@ -22,13 +22,13 @@ NAMES = ("creep-relaxation", "strength-triaxial", "statistics-sobol")
 
 
 @pytest.fixture(scope="module")
-def outcomes() -> list[Outcome]:
+def outcomes() -> list[CaseResult]:
     found = list(run_cases(find_cases(NAMES)))
-    found[-1] = Outcome(found[-1].case, None, 0.0, "needs the extra statistics", "left out")
+    found[-1] = CaseResult(found[-1].case, None, 0.0, "needs the extra statistics", "left out")
     return found
 
 
-def test_pages_hold_what_the_cases_say(outcomes: list[Outcome], tmp_path: Path) -> None:
+def test_pages_hold_what_the_cases_say(outcomes: list[CaseResult], tmp_path: Path) -> None:
     where = provenance(machine="a machine <of> tests")
     page = write_pages(outcomes, where, tmp_path)
     html = page.read_text(encoding="utf-8")
