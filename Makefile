@@ -42,7 +42,7 @@ servers:  ## install the PostgreSQL, Redis and browser that tests and benchmarks
 servers-all:
 	@scripts/install_servers.sh --all
 
-engines:  ## install the programs of others that the examples call
+engines:  ## install the third-party programs that the examples call
 	@scripts/install_engines.sh
 
 engines-all: $(INSTALLED)

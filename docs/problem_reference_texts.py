@@ -87,7 +87,7 @@ its moment need `shift`, by which the first is the one before the load. Several 
 every x has a reading of each: as many readings at the load are those before it; of twice as many the first half, and
 the mean of the others is placed halfway to the next x, as by `shift`. A logger's many readings become few by
 `resample: {per_decade: 20}`,
-means of the readings in intervals of equal length in log x, or `{every: 10}`, of so many in a row; above 20 000
+means of the readings in intervals of equal length in log x, or `{every: 10}`, of ten consecutive readings; above 20 000
 points of a series a warning asks for it. Thinning does not change the weight of a series: the weights w_h of the
 points follow the number of readings behind each, with a mean of 1. If the `error` of a reading is stated, that of a
 mean of n readings is smaller by the root of n only if the readings scatter independently. Neighbours that differ by

@@ -24,7 +24,7 @@ class NewKeyRequest(BaseModel):
         min_length=1,
         max_length=80,
         pattern=r"^[A-Za-z0-9][A-Za-z0-9._@+-]*$",
-        description="whose jobs the key opens; several keys may have one owner",
+        description="owner whose jobs the key can access; several keys may have one owner",
     )
     role: Role = "submit"
     label: str = Field("", max_length=200, description="what it is for")

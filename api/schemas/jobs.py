@@ -73,7 +73,7 @@ class JobChange(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    stopping: Stopping = Field(description="the new stop criteria, in place of all previous ones")
+    stopping: Stopping = Field(description="the new stop criteria, instead of all previous ones")
 
 
 class EvaluationPage(Model):

@@ -33,7 +33,7 @@ class SensitivityRequest(_Request):
     """Sensitivities at the optimum of a job."""
 
     polish: bool = Field(
-        True, description="go to the minimum first; false: evaluate one generation at the best evaluation"
+        True, description="refine the optimum first; false: evaluate one generation at the best evaluation"
     )
     step: float | None = Field(
         None, gt=0, le=0.1, description="largest difference in parts of the range; found for each parameter if absent"

@@ -28,7 +28,7 @@ class CommandEntry:
 
 
 _PROBLEM, _SERVICE, _JOBS = "One problem, in this process", "The service", "Jobs of a running service"
-_RESULTS = "What a job, or a run in a folder, tells"
+_RESULTS = "Results and analysis"
 _OPERATION = "Operation of a service, on its database"
 
 COMMANDS: dict[str, CommandEntry] = {
@@ -43,9 +43,9 @@ COMMANDS: dict[str, CommandEntry] = {
         "local.estimate", _PROBLEM, "Estimate parameters from the readings and index properties; no forward run."
     ),
     "evaluate": CommandEntry("local.evaluate", _PROBLEM, "Run one forward calculation with given parameters."),
-    "run": CommandEntry("local.run", _PROBLEM, "Calibrate a problem to its end, with figures and tables."),
-    "model": CommandEntry("model.group", _PROBLEM, "Make a forward model of a program of your own, and try it."),
-    "import": CommandEntry("model.imports", _PROBLEM, "Make a problem of the files of another tool."),
+    "run": CommandEntry("local.run", _PROBLEM, "Calibrate a problem and write figures and tables."),
+    "model": CommandEntry("model.group", _PROBLEM, "Use your own program as a forward model, and test it."),
+    "import": CommandEntry("model.imports", _PROBLEM, "Convert files of another tool to a problem."),
     "umbridge": CommandEntry("model.umbridge", _PROBLEM, "Serve the forward model of a problem to UM-Bridge clients."),
     "paper": CommandEntry("start.paper", _PROBLEM, "Repeat the published studies and compare every number."),
     "verify": CommandEntry(
@@ -53,12 +53,12 @@ COMMANDS: dict[str, CommandEntry] = {
     ),
     "examples": CommandEntry("start.examples", _PROBLEM, "List the examples that are installed, or write one out."),
     "demo": CommandEntry("start.demo", _SERVICE, "Start a service and calibrate the published oedometer test."),
-    "serve": CommandEntry("serve", _SERVICE, "Serve jobs over HTTP, with workers of its own or remote ones."),
+    "serve": CommandEntry("serve", _SERVICE, "Serve jobs over HTTP, with local or remote workers."),
     "worker": CommandEntry("serve", _SERVICE, "Run forward calculations for a service with a broker."),
     "agent": CommandEntry(
         "service.agent", _SERVICE, "Run forward calculations for a service over HTTPS, without access to its database."
     ),
-    "sweep": CommandEntry("serve", _SERVICE, "Watch over jobs: redispatch overdue evaluations."),
+    "sweep": CommandEntry("serve", _SERVICE, "Monitor jobs and redispatch overdue evaluations."),
     "submit": CommandEntry("service.submit", _JOBS, "Submit a problem as a job."),
     "watch": CommandEntry("service.submit", _JOBS, "Follow a job until it ends."),
     "list": CommandEntry("service.jobs", _JOBS, "List jobs, newest first."),
@@ -79,27 +79,27 @@ COMMANDS: dict[str, CommandEntry] = {
     "sensitivity": CommandEntry(
         "local.follow_ups",
         _RESULTS,
-        "Evaluate the sensitivities at the optimum: standard errors, intervals, open combinations.",
+        "Calculate sensitivities at the optimum: standard errors, intervals, open combinations.",
     ),
     "profile": CommandEntry(
         "local.follow_ups",
         _RESULTS,
-        "Evaluate profile objectives: intervals that hold where the model is not linear, and open ends.",
+        "Calculate profile likelihoods: intervals that hold for nonlinear models, and open ends.",
     ),
     "explore": CommandEntry(
         "local.follow_ups",
         _RESULTS,
-        "Spend runs where a second basin is most likely, and update the verdicts.",
+        "Search for a second basin where one is most likely, and update the verdicts.",
     ),
     "influence": CommandEntry(
         "local.follow_ups",
         _RESULTS,
-        "Evaluate how much each parameter matters over the whole search range (Sobol, Morris).",
+        "Calculate how much each parameter matters over the whole search range (Sobol, Morris).",
     ),
     "predict": CommandEntry(
         "local.outlook",
         _RESULTS,
-        "Run the identified parameters, with their uncertainty, through another problem: bands and median.",
+        "Predict another problem with the identified parameters and their uncertainty: median and bands.",
     ),
     "design": CommandEntry(
         "local.outlook",
@@ -114,7 +114,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "reweight": CommandEntry(
         "local.reweight",
         _RESULTS,
-        "Calculate the objectives that stored responses have under other weights; no forward run.",
+        "Recalculate the objectives of stored responses with other weights; no forward run.",
     ),
     "models": CommandEntry(
         "model.registered",
@@ -177,7 +177,7 @@ def cli(ctx: click.Context, debug: bool) -> None:
 
     A problem file names a forward model (an oedometer test, say), its parameters with bounds, the measured series, a
     search method and when to stop. 'geoswarm run PROBLEM' calibrates it here; 'geoswarm serve' and 'geoswarm submit'
-    do the same on a service with workers. New here: 'geoswarm demo'.
+    do the same on a service with workers. New to geoswarm? Run 'geoswarm demo'.
     """
     from geoswarm.cli.words.error_messages import CommandContext
 

@@ -114,7 +114,7 @@ def group_settings(kinds: str | None, slots: str | None) -> dict[str, Any]:
 @click.option(
     "--workers",
     type=click.IntRange(min=0),
-    help="Worker processes of the embedded engine; one a processor core when not given. Not with --broker.",
+    help="Worker processes of the embedded engine; one per CPU core when not given. Not with --broker.",
 )
 @database_option
 @broker_option
@@ -133,7 +133,7 @@ def serve_command(
     log_level: str,
     log_format: str,
 ) -> None:
-    """Serve jobs over HTTP, with workers of its own or remote ones.
+    """Serve jobs over HTTP, with local or remote workers.
 
     Without a broker, forward runs are done by worker processes that this command starts and watches (embedded
     engine). With one, start 'geoswarm worker' on any number of machines. Without a database URL, jobs are kept in
@@ -240,7 +240,7 @@ def refuse_open_door(host: str, api_key: str | None, settings: Settings) -> None
 
 
 @click.command("worker")
-@click.option("--concurrency", type=click.IntRange(min=1), help="Processes; one a processor core when not given.")
+@click.option("--concurrency", type=click.IntRange(min=1), help="Processes; one per CPU core when not given.")
 @database_option
 @broker_option
 @group_options
@@ -279,7 +279,7 @@ def worker_command(
 @broker_option
 @logging_options
 def sweep_command(database: str | None, broker: str | None, log_level: str, log_format: str) -> None:
-    """Watch over jobs: redispatch overdue evaluations.
+    """Monitor jobs and redispatch overdue evaluations.
 
     Every service and worker does this, too. A sweep of its own keeps jobs going while no service runs.
     """

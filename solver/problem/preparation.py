@@ -39,7 +39,7 @@ class Resample(Section):
     """Fewer points instead of very many: each is the mean of its neighbours."""
 
     per_decade: int | None = Field(None, ge=1, le=1000, description="groups of equal length in log x: points a decade")
-    every: int | None = Field(None, ge=2, description="groups of so many readings in a row")
+    every: int | None = Field(None, ge=2, description="groups of this many consecutive readings")
 
     @model_validator(mode="after")
     def _one_way(self) -> Resample:

@@ -1,4 +1,4 @@
-"""Programs of others that examples call: where they are, and calibrations with them through the command line.
+"""Third-party programs that examples call: where they are, and calibrations with them through the command line.
 
 ``python -m tests.examples.engines`` installs those from PyPI beforehand.
 

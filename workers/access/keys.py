@@ -40,7 +40,7 @@ class ApiKeys:
         Parameters
         ----------
         owner
-            Whose jobs the key opens; several keys may have one owner.
+            Owner whose jobs the key can access; several keys may have one owner.
         valid_seconds
             Time until it expires [s]; None: never.
 

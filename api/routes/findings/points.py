@@ -1,4 +1,4 @@
-"""Evaluations for plots: a block of numbers in place of thousands of JSON objects."""
+"""Evaluations for plots: a block of numbers instead of thousands of JSON objects."""
 
 from __future__ import annotations
 

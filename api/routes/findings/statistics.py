@@ -37,7 +37,7 @@ class ReweightRequest(BaseModel):
     weights: dict[str, float] | None = Field(None, description="w_g by series; series not named keep theirs")
     point_weights: dict[str, list[float]] | None = Field(None, description="w_h of every point, by series")
     weighting: Weighting | Literal["by_spread"] | None = Field(
-        None, description="a scheme that chooses w_g, in place of weights; by_spread chooses w_h"
+        None, description="a scheme that chooses w_g, instead of weights; by_spread chooses w_h"
     )
     noise: dict[str, float] | float | None = Field(
         None, description="standard deviation of a reading, base units, for by_error"

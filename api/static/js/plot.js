@@ -74,7 +74,7 @@ const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: [
 /**
  * A plot in `place`. `make()` returns {data, layout, config?, label, columns?}: it is called again for every theme, so it
  * takes its colours from `palette()` and `colour()`. `label` says in one sentence what is to be seen; `columns`,
- * {heading: values}, are the numbers as a table for who cannot see it. Returns {draw, remove}; `draw()` after new data.
+ * {heading: values}, are the numbers as a table for readers who cannot see it. Returns {draw, remove}; `draw()` after new data.
  */
 export function plot(place, make) {
   const frame = element("div", { class: "plot", role: "figure" });

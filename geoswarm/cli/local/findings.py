@@ -52,7 +52,7 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
     ]
     echo_table(name, ("parameter", "median", f"{found['level']:.0%} from", "to"), rows, right=(1, 2, 3))
     facts = {
-        "samples": f"{found['samples']}, worth {found['effective']} independent ones",
+        "samples": f"{found['samples']}, equivalent to {found['effective']} independent samples",
         "surface": f"error of the log-likelihood {number(found['surface_error'], 2)}, "
         + ("trusted" if found["trusted"] else "NOT trusted"),
     }

@@ -61,7 +61,7 @@ _at_option = click.option(
 
 @click.command("sensitivity")
 @_common
-@click.option("--polish/--no-polish", default=True, show_default=True, help="Go to the minimum first.")
+@click.option("--polish/--no-polish", default=True, show_default=True, help="Refine the optimum first.")
 @click.option("--step", type=click.FloatRange(0.0, 0.1, min_open=True), help="Largest difference, parts of the range.")
 @_at_option
 @noise_option
@@ -76,7 +76,7 @@ def sensitivity_command(
     at: tuple[str, ...],
     noise: tuple[str, ...],
 ) -> None:
-    """Evaluate the sensitivities at the optimum: standard errors, intervals, open combinations.
+    """Calculate sensitivities at the optimum: standard errors, intervals, open combinations.
 
     SOURCE is a job of a service, the folder of 'geoswarm run PROBLEM --output DIR', or a problem file. For a job, a
     follow-up job is submitted and watched; for a folder, the evaluations are kept in it. The report then has them.
@@ -107,7 +107,7 @@ def profile_command(
     at: tuple[str, ...],
     noise: tuple[str, ...],
 ) -> None:
-    """Evaluate profile objectives: intervals that hold where the model is not linear, and open ends.
+    """Calculate profile likelihoods: intervals that hold for nonlinear models, and open ends.
 
     SOURCE as in 'geoswarm sensitivity', whose evaluations are made first where they are missing.
     """
@@ -140,7 +140,7 @@ def profile_command(
 def explore_command(
     source: str, workers: int, as_json: bool, url: str, api_key: str | None, runs: int, noise: tuple[str, ...]
 ) -> None:
-    """Spend runs where a second basin is most likely, and update the verdicts.
+    """Search for a second basin where one is most likely, and update the verdicts.
 
     SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. Half of the runs look at places
     that no run has come near, the others go down from the best of these.
@@ -200,7 +200,7 @@ def influence_command(
     kind: Literal["sobol", "morris"],
     samples: int | None,
 ) -> None:
-    """Evaluate how much each parameter matters over the whole search range (Sobol, Morris).
+    """Calculate how much each parameter matters over the whole search range (Sobol, Morris).
 
     SOURCE as in 'geoswarm sensitivity'. Needs SALib: pip install 'geoswarm[statistics]'.
     """

@@ -77,7 +77,7 @@ def predict_command(
     url: str,
     api_key: str | None,
 ) -> None:
-    """Run the identified parameters, with their uncertainty, through another problem: bands and median.
+    """Predict another problem with the identified parameters and their uncertainty: median and bands.
 
     SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. Of the parameters of FILE, those
     that are free or left out are taken from SOURCE by name. Its observations say where the series are wanted: 'points:

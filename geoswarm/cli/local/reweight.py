@@ -46,7 +46,7 @@ def reweight_command(
     url: str,
     api_key: str | None,
 ) -> None:
-    """Calculate the objectives that stored responses have under other weights; no forward run.
+    """Recalculate the objectives of stored responses with other weights; no forward run.
 
     SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'.
     """

@@ -43,7 +43,7 @@ __all__ = ["run_command"]
 @click.option(
     "--seed",
     type=click.IntRange(0, 2**53 - 1),
-    help="Seed in place of the problem's; the same seed gives the same result.",
+    help="Seed instead of the problem's; the same seed gives the same result.",
 )
 @click.option(
     "--warm-start",
@@ -70,7 +70,7 @@ def run_command(
     accept: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Calibrate a problem to its end, with figures and tables.
+    """Calibrate a problem and write figures and tables.
 
     The number of workers changes the time, never the result. With --output every forward run is kept as it finishes:
     after Ctrl-C, a full disk or a crash the same command with --resume continues to the same result. Exit code 1 when

@@ -20,7 +20,7 @@ __all__ = ["build_umat_command"]
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Library to write; lib<first source>.so beside the first source if not given.",
+    help="Library to write; lib<first source>.so next to the first source if not given.",
 )
 @click.option("--function", default="umat_", show_default=True, help="Symbol of the routine.")
 @click.option("--compiler", default="gfortran", show_default=True, help="gfortran, by name or path.")

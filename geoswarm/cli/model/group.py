@@ -13,7 +13,7 @@ __all__ = ["model_command"]
 
 @click.group("model")
 def model_command() -> None:
-    """Make a forward model of a program of your own, and try it."""
+    """Use your own program as a forward model, and test it."""
 
 
 model_command.add_command(new_command)

@@ -20,7 +20,7 @@ __all__ = ["import_command"]
 
 @click.group("import")
 def import_command() -> None:
-    """Make a problem of the files of another tool."""
+    """Convert files of another tool to a problem."""
 
 
 @import_command.command("pest")
@@ -36,7 +36,7 @@ def import_command() -> None:
     "--files",
     multiple=True,
     metavar="NAME",
-    help="File or folder beside the control file that the program needs; may be repeated.",
+    help="File or folder next to the control file that the program needs; may be repeated.",
 )
 def import_pest(case: Path, output: Path, files: tuple[str, ...]) -> None:
     """Make a problem of a control file of PEST or PEST++ (version 1 or 2).

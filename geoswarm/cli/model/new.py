@@ -122,7 +122,7 @@ def parse_mark(text: str) -> Mark:
 
 
 def marked(text: str, marks: Sequence[Mark], file: str) -> str:
-    """Return the text with placeholders in place of the marked numbers.
+    """Return the text with placeholders instead of the marked numbers.
 
     Raises
     ------

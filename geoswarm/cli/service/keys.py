@@ -30,7 +30,7 @@ def keys_command() -> None:
 
 
 @keys_command.command("create")
-@click.option("--owner", required=True, help="Whose jobs the key opens; several keys may have one owner.")
+@click.option("--owner", required=True, help="Owner whose jobs the key can access; several keys may have one owner.")
 @click.option(
     "--role",
     type=click.Choice(("agent", "read", "submit", "admin")),

@@ -25,7 +25,7 @@ class MeshSection(BaseModel):
     file: str | None = Field(
         None,
         max_length=1000,
-        description="File beside the problem file, of gmsh (.msh) or another program that meshio reads.",
+        description="File next to the problem file, of gmsh (.msh) or another program that meshio reads.",
     )
     scale: float = Field(1.0, gt=0.0, description="Length of the file's unit, m.")
     interfaces: list[Name] = Field(default=[], max_length=50, description="Lines along which the body is opened.")

@@ -60,7 +60,7 @@ class CommandSpec(ForwardModelSpec):
     files: tuple[RelativePath, ...] = Field(
         (),
         max_length=1000,
-        description="Files and folders beside the problem file that are copied into the run folder.",
+        description="Files and folders next to the problem file that are copied into the run folder.",
     )
     link: tuple[RelativePath, ...] = Field(
         (), max_length=1000, description="Files and folders that are linked there: large ones, which no run changes."

@@ -45,7 +45,7 @@ export async function extend(view) {
   });
 }
 
-/** A mistake with the label of its field in place of its path. */
+/** A mistake with the label of its field instead of its path. */
 function inWords({ path, message }) {
   const found = CRITERIA.find(([name]) => path.split(".").includes(name));
   return found ? `${found[1]}: ${message}` : message;

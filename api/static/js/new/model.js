@@ -12,7 +12,7 @@ export function modelSection(context, place, kinds) {
   const kind = () => draft.read(["forward_model", "kind"]);
   const model = () => draft.read(["forward_model", "model"]);
   const form = element("div", {});
-  const earlier = new Map(); // sections that were left, by kind: who comes back finds them
+  const earlier = new Map(); // sections that were left, by kind: restored when the kind is chosen again
 
   function choose({ kind: chosen, model: registered }) {
     const old = draft.read(["forward_model"]) ?? {};
@@ -24,7 +24,7 @@ export function modelSection(context, place, kinds) {
     if (old.kind) earlier.set(old.model ?? old.kind, clone(old));
     const back = draft.mark();
     draft.write(["forward_model"], { kind: chosen, ...(registered ? { model: registered } : {}), ...before, ...left });
-    if (lost.length) back(`${words(registered ?? chosen)} in place of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and were removed.`);
+    if (lost.length) back(`${words(registered ?? chosen)} instead of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and were removed.`);
     draw();
   }
 

@@ -33,7 +33,7 @@ export function observationsSection(context, place) {
     materials: context.root.$defs.forward_model_oedometer?.properties.material?.enum ?? [],
   }, { take, replace, replaced: (act) => draft.on("undo", act) });
 
-  /** A problem in place of the one that is here; whether that was told. */
+  /** A problem instead of the one that is here; whether that was told. */
   function replace(problem, words) {
     const back = draft.mark(), begun = context.begun();
     draft.replace(problem);
@@ -41,7 +41,7 @@ export function observationsSection(context, place) {
     return begun;
   }
 
-  /** New readings in place of old ones keep what does not depend on these: weights and stages, no marks or zero readings. */
+  /** New readings instead of old ones keep what does not depend on these: weights and stages, no marks or zero readings. */
   function take(observation, file) {
     const same = all().findIndex((one) => one.series === observation.series);
     const old = same >= 0 ? all()[same] : {};

@@ -35,7 +35,7 @@ class PestReader(ScaledReader):
     told_by: ClassVar[str] = "PEST instructions (file, instructions and observations)"
 
     format: Literal["pest"] = Field("pest", description="May be left out.")
-    instructions: str = Field(max_length=10_000_000, description="Instruction file beside the problem, or its text.")
+    instructions: str = Field(max_length=10_000_000, description="Instruction file next to the problem, or its text.")
     observations: dict[str, float] = Field(
         min_length=1, max_length=1_000_000, description="x of each observation that the instructions read."
     )
