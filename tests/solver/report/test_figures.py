@@ -37,6 +37,11 @@ def test_every_axis_has_a_unit(swarm: Run, sampling: Run) -> None:
             assert all(re.search(r"\[[^\]]+\]", label) for label in labels), (name, labels)
 
 
+def test_settlements_point_downwards(swarm: Run) -> None:
+    for name in ("fit", "stages.settlement"):
+        assert all(axes.yaxis_inverted() for axes in swarm.report.figures.draw(name).axes), name
+
+
 def test_matrix_prints_correlation_threshold_and_counts(sampling: Run) -> None:
     statistics = sampling.report.statistics
     assert statistics is not None
