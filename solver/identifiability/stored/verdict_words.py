@@ -78,6 +78,8 @@ def _claim(kind: VerdictKind, evidence: Evidence) -> str:
 
 def _of_runs(kind: VerdictKind, code: VerdictCode, evidence: Evidence, thin: str | None) -> str:
     """Reason from a sampling or a swarm."""
+    if code == "no_influence":
+        return "all runs gave the same objective, whatever its value; check that the forward model uses it"
     if code == "swarm":
         return f"the runs of a search cluster around its best fit, so their spread gives no interval; {_MORE_RUNS}"
     if code == "few_good_fits":

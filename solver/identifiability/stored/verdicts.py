@@ -262,6 +262,8 @@ def judge(
             kind, code = "lack_of_fit" if fit.kind == "lack_of_fit" else "error_not_met", "misfit"
         reason, sentence = in_words(name, kind, code, evidence, linearisation, filtered.thin)
         proposals = propose(name, kind, filtered.samples, projection, evidence.partners)
+        if code == "no_influence" and evidence.basis == "none":  # the model ignores it: no value and no test mends that
+            proposals = ()
         if (fit is not None and fit.kind in ("lack_of_fit", "gross_error")) or _at_bound(samples, projection):
             proposals = tuple(one for one in proposals if one.kind not in ("fix", "link"))
         verdicts.append(Verdict(name, kind, code, reason, sentence, evidence, proposals))
@@ -331,6 +333,8 @@ def _judge(
         return _judge_sampling(projection, tied_pairs, influence)
     if linearisation is not None:
         return _judge_linearisation(samples, name, linearisation, evidence)
+    if len(set(samples.objectives.tolist())) == 1 and samples.objectives.size >= FEWEST_GOOD_FITS:
+        return "not_identified", "no_influence", Evidence("none", good_fits, sampling_bias=swarm)
     return (
         "undecided",
         "swarm" if swarm else "few_good_fits" if thin is None else "thin",

@@ -30,6 +30,7 @@ CASES: list[tuple[VerdictKind, VerdictCode, Evidence, tuple[str, ...]]] = [
     ("not_identified", "several", replace(OPTIMUM, elsewhere=(7.25, 8.5)), ("a = 3, 7.25 or 8.5", "all of them")),
     ("not_identified", "several", replace(OPTIMUM, elsewhere=(3.0001,)), ("a = 3 or 3.0001", "both")),
     ("not_identified", "no_influence", OPTIMUM, ("no influence",)),
+    ("not_identified", "no_influence", NOTHING, ("all runs gave the same objective",)),
     ("not_identified", "no_interval", OPTIMUM, ("wider than the searched range",)),
     ("in_combination", "tied", replace(OPTIMUM, partners=(("b", None), ("c", None))), ("b and c",)),
     ("in_combination", "correlated", replace(RUNS, **TIED), ("r = -0.97 (-0.98 to -0.95) with b", "0.62", "c", *RANGE)),

@@ -33,6 +33,14 @@ def test_a_clear_parameter_and_one_without_influence() -> None:
     assert "no influence" in judged.sentence
 
 
+def test_a_search_that_changes_nothing_identifies_nothing() -> None:
+    problem = problem_of("x + 0 * a", {"a": free()}, 3.0 * X + NOISE)
+    samples = Samples.from_arrays(problem, np.linspace(1.0, 9.0, 12)[:, np.newaxis], np.full(12, 4.0))
+    verdict = analyse(Calibration(problem, 1), samples).verdict("a")
+    assert (verdict.kind, verdict.code) == ("not_identified", "no_influence")
+    assert "all runs gave the same objective" in verdict.sentence
+
+
 def test_a_product_is_named_and_linked() -> None:
     problem, samples = sampled("a * b * x", {"a": free(scale="log"), "b": free(scale="log")}, 3.0 * X + NOISE)
     statistics = analyse(Calibration(problem, 1), samples, threshold=0.5)
