@@ -36,7 +36,7 @@ _UNITS_FIRST = (
     "the specimen."
 )
 _FOLLOW_UPS: dict[str, str] = {
-    "sensitivity": "'geoswarm sensitivity' goes to the minimum, and tests the fit and calculates intervals there.",
+    "sensitivity": "'geoswarm sensitivity' refines the optimum, tests the fit and calculates intervals there.",
     "profile": "'geoswarm profile' calculates the interval by likelihood.",
     "explore": "'geoswarm explore' searches for further basins.",
 }

@@ -16,7 +16,7 @@ const WORDS = {
   change_model: ({ values, changes }) => `Look at the fit: ${changes.length ? `leave out what the model does not contain (${changes.map((key) => FIELDS[key] ?? key).join(", ")}), ` : ""}${values.fixed.length ? "free a parameter that is fixed, " : ""}or take another law.`,
   thin: () => "If the model is right and the readings drift or depend on one another, only the intervals are wrong: thin the readings out until the residuals no longer follow one another.",
   error: () => "Enter the error that the readings have under “Standard deviation of a reading”, or leave the field empty: the error is then estimated.",
-  sensitivity: () => `“${BUTTONS.sensitivity}” goes to the minimum, and tests the fit and calculates intervals there.`,
+  sensitivity: () => `“${BUTTONS.sensitivity}” refines the optimum, tests the fit and calculates intervals there.`,
   profile: () => `“${BUTTONS.profile}” calculates the interval by likelihood.`,
   explore: () => `“${BUTTONS.explore}” searches for further basins.`,
 };

@@ -72,6 +72,9 @@ VerdictCode: TypeAlias = Literal[
 """Why a verdict is of its kind; ``width``: of the good fits or the interval, with the bounds that it reaches."""
 
 _FOLLOW_UPS: dict[VerdictCode, FollowUpKind] = {
+    "swarm": "sensitivity",
+    "few_good_fits": "sensitivity",
+    "thin": "sensitivity",
     "not_minimum": "sensitivity",
     "nonlinear": "profile",
     "unexplored": "explore",
