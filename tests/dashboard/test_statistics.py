@@ -91,7 +91,7 @@ def test_points_are_those_of_the_service(embedded: Site, page: Page, job: str) -
 
 
 def test_sentences_name_buttons_of_the_page_and_no_commands(page: Page) -> None:
-    expect(page.locator("#warnings")).to_contain_text("“Sensitivities at the optimum” goes to the minimum")
+    expect(page.locator("#warnings")).to_contain_text("“Sensitivities at the optimum” refines the optimum")
     expect(page.get_by_role("button", name=re.compile("^Sensitivities at the optimum"))).to_be_visible()
     expect(page.locator("main")).not_to_contain_text("'geoswarm ")
 
