@@ -21,7 +21,7 @@ _OWN = {column.name: column.kind for column in COLUMNS}
 
 
 def parquet_available() -> bool:
-    """Tell whether pyarrow is installed."""
+    """Return whether pyarrow is installed."""
     return has("pyarrow")
 
 

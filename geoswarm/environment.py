@@ -99,7 +99,7 @@ def settings_mistakes(error: ValidationError, variables: Mapping[str, str], over
 
 
 def listed(value: Any) -> Any:
-    """Return the names of a text with commas between them; what is no text stays as it is."""
+    """Return the names of a text with commas between them; what is not a text stays as it is."""
     return [part.strip() for part in value.split(",") if part.strip()] if isinstance(value, str) else value
 
 

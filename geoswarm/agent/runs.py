@@ -159,7 +159,7 @@ class RunProcess:
         self._runs = 0
 
         def read() -> None:
-            with contextlib.suppress(OSError, ValueError), tree.answers:  # what is no answer of ours ends it
+            with contextlib.suppress(OSError, ValueError), tree.answers:  # what is not an answer of ours ends it
                 for line in tree.answers:
                     answers.put(json.loads(line))
             answers.put(None)

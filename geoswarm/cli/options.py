@@ -66,7 +66,7 @@ def read_values(given: Sequence[str], mistake: Callable[[str], str | None]) -> d
     Raises
     ------
     BadInputError
-        For a text of another form, a mistake, a name given twice, or a value that is no finite number.
+        For a text of another form, a mistake, a name given twice, or a value that is not a finite number.
     """
     values: dict[str, float] = {}
     for text in given:

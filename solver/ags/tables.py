@@ -90,7 +90,7 @@ class AgsGroup:
         Raises
         ------
         AgsError
-            It is no number, outside these limits, or the unit of the column is of another kind.
+            It is not a number, outside these limits, or the unit of the column is of another kind.
         """
         text = self.text(row, heading)
         if not text:

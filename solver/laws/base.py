@@ -20,7 +20,7 @@ __all__ = ["Law", "Setting", "Soil", "StateTensor", "StateVariable", "StrengthPl
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A choice of a law that is no parameter: one of ``choices``, or without them a number of at least ``lower``.
+    """A choice of a law that is not a parameter: one of ``choices``, or without them a number of at least ``lower``.
 
     A number may also be None, which its description explains.
     """

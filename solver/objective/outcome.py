@@ -49,7 +49,7 @@ def outcome_of(
     values
         All parameters by name.
     checked
-        Returns the response in arrays of its own, or raises ForwardError for what is no response.
+        Returns the response in arrays of its own, or raises ForwardError for what is not a response.
     """
     began = time.perf_counter()
     with counting() as waited:

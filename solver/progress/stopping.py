@@ -62,7 +62,7 @@ class StopCriterion(Protocol):
         """Name of the criterion in the problem file, reported as the stop reason."""
 
     def satisfied(self, status: SwarmStatus) -> bool:
-        """Tell whether to stop."""
+        """Return whether to stop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class MaxEvaluations:
     reason: ClassVar[str] = "max_evaluations"
 
     def satisfied(self, status: SwarmStatus) -> bool:
-        """Tell whether the next generation would exceed the limit."""
+        """Return whether the next generation would exceed the limit."""
         return status.evaluations + max(status.next_evaluations, 1) > self.limit
 
 
@@ -85,7 +85,7 @@ class MaxSeconds:
     reason: ClassVar[str] = "max_seconds"
 
     def satisfied(self, status: SwarmStatus) -> bool:
-        """Tell whether the time is over."""
+        """Return whether the time is over."""
         return status.seconds >= self.limit
 
 
@@ -97,7 +97,7 @@ class TargetObjective:
     reason: ClassVar[str] = "target_objective"
 
     def satisfied(self, status: SwarmStatus) -> bool:
-        """Tell whether the best objective is good enough."""
+        """Return whether the best objective is good enough."""
         return status.objective is not None and status.objective <= self.limit
 
 
@@ -109,7 +109,7 @@ class StagnationGenerations:
     reason: ClassVar[str] = "stagnation_generations"
 
     def satisfied(self, status: SwarmStatus) -> bool:
-        """Tell whether the search stagnates."""
+        """Return whether the search stagnates."""
         return status.stagnation >= self.limit
 
 

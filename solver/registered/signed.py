@@ -55,7 +55,9 @@ class ListedFile(_Part):
         for name in path.split("/"):
             wrong = name in ("", ".", "..") or UNSAFE.search(name) or name[-1] in ". " or len(name) > LONGEST_NAME
             if wrong or DEVICES.fullmatch(name):
-                raise ValueError(f"{path[:LONGEST_NAME]!r} is no path that every system accepts; accepted: {ACCEPTED}")
+                raise ValueError(
+                    f"{path[:LONGEST_NAME]!r} is not a path that every system accepts; accepted: {ACCEPTED}"
+                )
         return path
 
 

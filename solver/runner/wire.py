@@ -42,7 +42,7 @@ class ConnectionEnded(Exception):  # noqa: N818  says what it is
 
 
 class GarbledError(Exception):
-    """What came over the connection is no frame of ours."""
+    """What came over the connection is not a valid frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ class FrameReader:
         Raises
         ------
         GarbledError
-            For what is no frame, or one that is longer than any of ours.
+            For what is not a frame, or one that is longer than any of ours.
         """
         found = self._bytes
         if not MARK.startswith(found[: len(MARK)]):

@@ -90,7 +90,7 @@ class SearchSpace:
         return np.clip((self.to_search(natural) - low) / (self.search_upper - low), 0.0, 1.0)
 
     def is_feasible(self, search: FloatArray) -> bool:
-        """Tell whether a point in search coordinates, shape (d,), satisfies all constraints."""
+        """Return whether a point in search coordinates, shape (d,), satisfies all constraints."""
         return self.feasible(self.to_natural(search))
 
     def draw(self, random: np.random.Generator, initial: FloatArray | None = None) -> FloatArray:

@@ -184,7 +184,7 @@ class UserLawSection(Section):
         return found
 
     def wrong_names(self) -> str | None:
-        """A name in the formulas that is no parameter, or a parameter that is in none, in words."""
+        """A name in the formulas that is not a parameter, or a parameter that is in none, in words."""
         reserved = sorted(self.parameters.keys() & set(STRESS_NAMES))
         if reserved:
             return f"parameters.{reserved[0]}: the name stands for the stress; choose another"

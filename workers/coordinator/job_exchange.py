@@ -319,7 +319,7 @@ class JobExchange:
             self.typical = _typical([(row.seconds, row.reason) for row in counted], None)
         out = [rows, *self._ahead(rows, asked)]
         hand_outs = [HandOut(one, self.locked.now, self.settings.lease_seconds) for one in out]
-        # Who dispatches wakes as many as there are chunks: the last one sees what is left.
+        # A worker that dispatches wakes as many as there are chunks: the last one sees what is left.
         answers = [self._answer(hand_outs, one, dispatched and one is asked[-1]) for one in asked]
         for one in out:
             one.write(self.connection)
@@ -348,7 +348,7 @@ class JobExchange:
             longest = max(self.settings.overdue_seconds, self.settings.overdue_factor * (self.typical or 0.0))
             claimed = hand_out.duplicate(worker, longest)
         claim = self._claim(hand_out.rows, claimed, last=not left) if claimed else None
-        # Who only comes to help wakes one more.
+        # One that only helps wakes one more.
         wakes = min(-(-left // chunk), live_workers - 1) if dispatched else int(asked.taken_up and left > 0)
         short = self.typical is not None and self.typical <= self.settings.single_seconds
         waiting = self.typical if want and claim is None and short else None

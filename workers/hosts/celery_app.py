@@ -1,4 +1,4 @@
-"""The Celery side: wakes over Redis, and worker processes that answer them. Results and retries are not Celery's.
+"""The Celery side: wake-ups over Redis, and worker processes that answer them. Results and retries are not Celery's.
 
 This module imports no numerical library, so that :func:`run_celery_worker` can still limit their threads.
 """

@@ -1,4 +1,4 @@
-"""Reads wakes from Redis; what is no message of Celery is dropped in place of ending the worker."""
+"""Reads wake-ups from Redis; what is not a message of Celery is dropped in place of ending the worker."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ __all__ = ["ForgivingChannel", "forgive"]
 log = logging.getLogger(__name__)
 
 NO_MESSAGE = (ValueError, TypeError, KeyError, AttributeError, IndexError, RecursionError)
-"""What decoding raises for text that is no JSON, or JSON that is no message."""
+"""What decoding raises for text that is no JSON, or JSON that is not a message."""
 
 
 class ForgivingChannel(redis.Channel):
-    """A channel on which a message that cannot be read is lost, as any ring may be: the sweep wakes again."""
+    """A channel on which a message that cannot be read is lost, as any wake-up may be: the sweep wakes again."""
 
     def _brpop_read(self, **options: Any) -> bool:
         try:

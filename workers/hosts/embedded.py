@@ -41,7 +41,7 @@ LONGEST_BACK_OFF_SECONDS = 5.0
 
 
 class PipeWaker:
-    """A pipe in which every byte wakes one worker. A killed process takes at most one ring with it.
+    """A pipe in which every byte wakes one worker. A killed process takes at most one wake-up with it.
 
     Parameters
     ----------

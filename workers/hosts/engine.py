@@ -1,4 +1,4 @@
-"""Opens the engine: a service for the API, with embedded workers or with wakes to Celery workers."""
+"""Opens the engine: a service for the API, with embedded workers or with wake-ups of Celery workers."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ async function saved(frame, { label, columns }, form) {
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 
-/** Columns as CSV with all their digits; what a table of calculation would take for a formula is no number and is quoted. */
+/** Columns as CSV with all their digits; what a table of calculation would take for a formula is not a number and is quoted. */
 function csvOf(columns) {
   const names = Object.keys(columns);
   const cell = (value) => (value === null || value === undefined ? "" : typeof value === "number" ? String(value) : `"${String(value).replace(/^(?=[=+\-@\t])/, "'").replaceAll('"', '""')}"`);

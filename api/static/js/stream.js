@@ -99,7 +99,7 @@ function lead(job, last, tell, ended) {
       });
     }
     source.onerror = async () => {
-      source.close(); // its own way to reconnect gives up at the first answer that is no stream
+      source.close(); // its own way to reconnect gives up at the first answer that is not a stream
       if (closed) return;
       if (ended()) { timer = setTimeout(watch, POLL); return; }
       tell({ connected: false });

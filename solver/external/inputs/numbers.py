@@ -16,7 +16,7 @@ def checked(value: float, what: str) -> float:
     Raises
     ------
     InputError
-        It is no finite number; ``what`` names it: ``parameter E``.
+        It is not a finite number; ``what`` names it: ``parameter E``.
     """
     try:
         number = float(value)

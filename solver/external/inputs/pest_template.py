@@ -69,7 +69,7 @@ class PestTemplate:
         Raises
         ------
         TemplateError
-            A name is no parameter, or two parameters differ in nothing but their case.
+            A name is not a parameter, or two parameters differ in nothing but their case.
         """
         lower = self._by_lower_case(known)
         for space in self.spaces:

@@ -103,7 +103,7 @@ class Template:
         Raises
         ------
         TemplateError
-            A name is no parameter; the message names its place, and a parameter that may be meant.
+            A name is not a parameter; the message names its place, and a parameter that may be meant.
         """
         for one in self.placeholders:
             for name in sorted(one.expression.names - {SLOT}):

@@ -36,7 +36,7 @@ def number_of(text: str, decimal: str = ".") -> float:
     Raises
     ------
     ValueError
-        The text is no finite number; the message says what it is and what would be accepted.
+        The text is not a finite number; the message says what it is and what would be accepted.
 
     Examples
     --------

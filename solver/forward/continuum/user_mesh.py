@@ -63,7 +63,7 @@ class MeshSection(BaseModel):
         Raises
         ------
         ProblemError
-            A file may not be read, or is no sound mesh.
+            A file may not be read, or is not a sound mesh.
         """
         if self.file is None:
             return self

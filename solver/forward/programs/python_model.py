@@ -29,7 +29,7 @@ __all__ = ["PythonModel"]
 class PythonModel(ForeignModel):
     """A Python function as a forward model.
 
-    Its parameters are the arguments, but x and those whose default is no number.
+    Its parameters are the arguments, but x and those whose default is not a number.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """The step from an optimum to the minimum of the linearised objective, inside the bounds (Karush, Kuhn and Tucker).
 
-At a bound, a gradient that points outwards is no sign of a minimum elsewhere: the minimum lies there.
+At a bound, a gradient that points outwards is not a sign of a minimum elsewhere: the minimum lies there.
 """
 
 from __future__ import annotations

@@ -138,7 +138,7 @@ def findings_of(
     Raises
     ------
     StatisticsError
-        When the problem is no follow-up, or the noise is wrong.
+        When the problem is not a follow-up, or the noise is wrong.
     """
     calibration = Calibration(problem, seed)
     method = problem.method

@@ -274,7 +274,7 @@ def judge(
 
 
 def _at_bound(samples: Samples, projection: Projection) -> bool:
-    """Whether the best value lies at a bound: where the search had to stop is no value to keep."""
+    """Whether the best value lies at a bound: where the search had to stop is not a value to keep."""
     index = samples.names.index(projection.parameter)
     return projection.best in (float(samples.lower[index]), float(samples.upper[index]))
 

@@ -117,7 +117,9 @@ def read_cells(
     if "\0" in text:
         raise TableError(f"{name} is neither text (CSV) nor a workbook (XLSX, ODS)")
     if text.lstrip().startswith('"GROUP"'):
-        raise TableError(f"{name} is an AGS file, which is no table; geoswarm import ags {name} makes a problem of it")
+        raise TableError(
+            f"{name} is an AGS file, which is not a table; geoswarm import ags {name} makes a problem of it"
+        )
     if sheet is not None:
         raise TableError(f"{name} is not a workbook, so it has no sheet '{sheet}'")
     comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))

@@ -206,7 +206,7 @@ def without_brackets(heading: str) -> str:
 
 
 def known_unit(text: str) -> tuple[str | None, str | None]:
-    """Return a unit as a problem file writes it and its base unit; None twice for what is no unit."""
+    """Return a unit as a problem file writes it and its base unit; None twice for what is not a unit."""
     unit, base = _known(" ".join(text.split()))
     return (unit, base) if base in BASES else (None, None)
 
@@ -337,7 +337,7 @@ def _is_no_unit(text: str) -> bool:
 def _known(text: str, small: bool = False) -> tuple[str | None, str | None]:
     """A unit as a problem file writes it, and the base of its dimension, any.
 
-    ``small``: only factors below 1, and a 1 alone is no unit.
+    ``small``: only factors below 1, and a 1 alone is not a unit.
     """
     text = _PART.sub(lambda found: _PARTS[found[1][:5].casefold()], text.strip())
     text = _SQUARE.sub(r"\1^2", text)
@@ -399,7 +399,7 @@ def _spelled(text: str) -> str | None:
 
 
 def number_with_unit(cell: str) -> tuple[str, str] | None:
-    """Split a cell such as ``12,5 %`` into the number and what stands behind it; None for what is no such cell."""
+    """Split a cell such as ``12,5 %`` into the number and what stands behind it; None for what is not such a cell."""
     found = _VALUE.fullmatch(cell) if len(cell) <= 60 and cell[-1:].isascii() | (cell[-1:] in "°‰²³") else None
     if found is None or _known(found[2])[0] is None:
         return None

@@ -64,7 +64,7 @@ def read_workbook(
     Raises
     ------
     TableError
-        It is no workbook, has no such sheet, or is too large.
+        It is not a workbook, has no such sheet, or is too large.
     """
     with _opened(content, name) as archive, _explained(name):
         parts = PackedParts(archive, name)
@@ -77,7 +77,7 @@ def named_cells(content: bytes, name: str) -> dict[str, str]:
     Raises
     ------
     TableError
-        It is no workbook.
+        It is not a workbook.
     """
     with _opened(content, name) as archive, _explained(name):
         parts = PackedParts(archive, name)

@@ -152,7 +152,7 @@ def plain_document(document: Any) -> dict[str, Any]:
     Raises
     ------
     ProblemError
-        It is no mapping, or a value is nothing that JSON knows (a date, bytes ...).
+        It is not a mapping, or a value is nothing that JSON knows (a date, bytes ...).
     """
     if not isinstance(document, Mapping):
         given = "empty" if document is None else f"a {_kind(document)}"

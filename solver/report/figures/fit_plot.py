@@ -77,7 +77,7 @@ def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
 
 
 def has_stages(curve: SeriesCurve) -> bool:
-    """Tell whether a series was measured during at least two loads, often enough to be shown stage by stage."""
+    """Return whether a series was measured during at least two loads, often enough to be shown stage by stage."""
     return len(_stages(curve)) >= 2
 
 

@@ -106,7 +106,7 @@ _RENDERED: WeakKeyDictionary[Figure, dict[str, bytes]] = WeakKeyDictionary()  # 
 
 
 def figures_available() -> bool:
-    """Tell whether matplotlib (the ``plots`` extra) is installed."""
+    """Return whether matplotlib (the ``plots`` extra) is installed."""
     return has("matplotlib")
 
 

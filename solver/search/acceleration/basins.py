@@ -62,7 +62,7 @@ class Basins:
         return open_
 
     def admits(self, point: FloatArray, runs: FloatArray, open_: BoolArray) -> bool:
-        """Tell whether a new point, shape (d,), is in no finished basin, by the runs around it and their openness."""
+        """Return whether a new point, shape (d,), is in no finished basin, by the runs around it and their openness."""
         if not self.finished:
             return True
         distances = np.abs(runs - point).max(axis=1)

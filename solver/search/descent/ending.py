@@ -187,7 +187,7 @@ class Ending:
 
 
 def _end(space: SearchSpace, runs: Runs, current: Refinement) -> Descended:
-    """How a descent ended. A place where nothing changes the responses is no minimum."""
+    """How a descent ended. A place where nothing changes the responses is not a minimum."""
     idle = np.diag(current.curvature)[~space.integer] <= _IDLE**2 * current.objective
     converged = current.outcome == "converged" and not (idle.size and idle.all())
     rough = current.outcome == "stuck" and current.promise <= _LITTLE  # no reason to look elsewhere

@@ -49,7 +49,9 @@ def mistakes(folder: Path, name: str, content: str | bytes, **keys: Any) -> str:
 def test_an_ags_file_is_no_table(tmp_path: Path) -> None:
     text = '"GROUP","PROJ"\n"HEADING","PROJ_ID"\n"DATA","1"\n'
     message = mistakes(tmp_path, "a.ags", text, x_column="time", y_column="settlement")
-    assert message.endswith("a.ags is an AGS file, which is no table; geoswarm import ags a.ags makes a problem of it")
+    assert message.endswith(
+        "a.ags is an AGS file, which is not a table; geoswarm import ags a.ags makes a problem of it"
+    )
 
 
 def test_units_of_headings_hold_where_none_are_given(tmp_path: Path) -> None:

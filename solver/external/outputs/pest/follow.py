@@ -49,7 +49,7 @@ def follow(instructions: Instructions, lines: Iterator[tuple[int, str]], file: s
     Raises
     ------
     OutputError
-        The file ends too early, a marker or a column is missing, or something is no number; the message names the lines
+        The file ends too early, a marker or a column is missing, or something is not a number; the message names lines
         of both files.
     """
     reader = _Reader(instructions, lines, file)
