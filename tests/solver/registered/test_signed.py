@@ -122,7 +122,7 @@ def test_files_that_collide_or_lack_are_refused(files: list[dict[str, Any]], why
 def test_a_file_name_that_windows_refuses_is_told_when_it_is_signed(tmp_path: Path) -> None:
     folder = line_model(tmp_path) / "line"
     (folder / "time:10.csv").write_text("1\n")
-    with pytest.raises(SignedListError, match=r"model 'line' cannot be handed out: .*'time:10.csv' is no path"):
+    with pytest.raises(SignedListError, match=r"model 'line' cannot be handed out: .*'time:10.csv' is not a path"):
         listed(folder)
 
 
