@@ -331,7 +331,7 @@ def test_readings_are_prepared_and_gross_errors_marked(embedded: Site, visit: Vi
     page.get_by_text("Leave readings out").click()
     page.get_by_label("Zero reading").select_option(label="the first reading")
     page.get_by_label("Factor of y").fill("-1")
-    thinned = page.get_by_label("Means, so many to a decade of x")
+    thinned = page.get_by_label("Means per decade of x")
     thinned.fill("3")
     page.get_by_label("Gross errors").fill("2, 3")
     area = page.get_by_label("The problem as YAML")

@@ -347,7 +347,7 @@ def test_readings_are_prepared_in_every_way_of_the_problem_file(embedded: Site, 
     expect(yaml(page)).to_have_value(re.compile(r"y_zero: \{y: 3\.2\}"))
     page.get_by_label("Put them in the order of x").check()
     page.get_by_label("Readings at equal x").select_option(label="become their mean")
-    page.get_by_label("Means of so many readings in a row").fill("2")
+    page.get_by_label("Means of this many consecutive readings").fill("2")
     expect(yaml(page)).to_have_value(re.compile("sort: true.*repeated_x: average.*every: 2", re.DOTALL))
     expect(page.locator("#verdict")).to_contain_text("Complete")
     page.get_by_label("Zero reading", exact=True).select_option(label="none")

@@ -16,7 +16,7 @@ export function progress(view) {
   const tellMe = "Notification" in window ? element("button", { type: "button", class: "quiet small", onclick: ask }, "Tell me when it ends") : null;
   async function ask() {
     told = (await Notification.requestPermission()) === "granted";
-    tellMe.textContent = told ? "You will be told when it ends" : "The browser does not allow notifications";
+    tellMe.textContent = told ? "You will be notified when the job ends" : "The browser does not allow notifications";
     tellMe.disabled = true;
   }
 

@@ -29,7 +29,7 @@ export function yamlPanel(context, place, strict) {
   draft.on("answer", (answer) => {
     note.textContent = "";
     area.disabled = answer.yaml === null;
-    if (answer.yaml === null) note.textContent = "With so many readings the problem is too long to be edited as text here; use the form.";
+    if (answer.yaml === null) note.textContent = "The problem has too many readings to be edited as text here; use the form.";
     if (answer.yaml !== null && !typing && area.value !== answer.yaml) area.value = answer.yaml;
     showIssues(answer);
   });

@@ -18,7 +18,7 @@ export function moreFields(file, state, change, open) {
   return element("div", { class: "fields" },
     column("y_minus", "Subtract from y", "The other gauge, or that of the frame: row by row."),
     column("weight_column", "Weights"),
-    column("gross_error_column", "Gross errors", "A column with an entry beside every reading that is one."),
+    column("gross_error_column", "Gross errors", "A column with an entry in the row of each gross error."),
     column("x_time_column", "Time of day", "Where the column of x holds dates alone."),
     words("map-origin", "x = 0 is at", of.x_origin ?? "", set("x_origin"), { placeholder: "2024-03-01 08:30", help: "Where x holds dates; the first of them unless given." }),
     asked.dates ? null : choice("map-dates", "Dates of x", [[null, "as they are"], ...DATES, ["serial", "numbers of days, as spreadsheets count"]], state.dates, (value) => { state.dates = value; change(true); }),

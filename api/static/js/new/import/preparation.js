@@ -47,7 +47,7 @@ export function prepared(draft, path, one, about) {
       field(draft, [...path, "x_factor"], { label: "Factor of x", kind: "number", fallback: 1, help: "−1 turns the sign." }),
       field(draft, [...path, "y_factor"], { label: "Factor of y", kind: "number", fallback: 1, help: "−1 turns the sign." }),
       field(draft, [...path, "repeated_x"], { label: "Readings at equal x", kind: "select", options: REPEATED }),
-      field(draft, [...path, "resample", "per_decade"], { label: "Means, so many to a decade of x", kind: "number", onchange: tidy }),
-      field(draft, [...path, "resample", "every"], { label: "Means of so many readings in a row", kind: "number", onchange: tidy })),
+      field(draft, [...path, "resample", "per_decade"], { label: "Means per decade of x", kind: "number", onchange: tidy }),
+      field(draft, [...path, "resample", "every"], { label: "Means of this many consecutive readings", kind: "number", onchange: tidy })),
     one.notes?.length ? element("div", { class: "help" }, "What was done already:", element("ul", {}, one.notes.map((note) => element("li", {}, note)))) : null);
 }
