@@ -77,7 +77,8 @@ workbook is read from its first sheet with cells, or from `sheet`. The header na
 file are separated by comma, semicolon, tab or blanks; except next to commas, and in quotes, numbers may have a decimal
 comma. Between blanks an empty cell cannot be seen: each row must then have as many cells as the header. Times such as
 `25:30:00` are days, and cells formatted as per cent are in %. A row with more cells than headings is refused: a comma
-inside a number has split it. The file's path is relative to the problem file.
+inside a number has split it. The file's path is relative to the problem file. `blocks` joins several parts of a file,
+such as stages side by side: see [laboratory files](laboratory-files.md#several-blocks-of-a-file).
 
 ### Readings in disorder, or very many
 

@@ -57,6 +57,14 @@ async def read_points(
         ),
     ],
     name: Annotated[str, Query(max_length=200, description="name of the file, for messages and notes")] = "file",
+    forward_model: Annotated[
+        str | None,
+        Query(
+            max_length=20000,
+            description="the forward model, as JSON, which says when the loads of a test in stages are applied: for "
+            "blocks with stage, and means that are not taken across a load",
+        ),
+    ] = None,
 ) -> MeasuredPoints:
     """Read the points of one series from a file, as a problem file would. Nothing is stored.
 
@@ -65,7 +73,9 @@ async def read_points(
     """
     try:
         slot = limiter(request, "files")
-        points, units = await anyio.to_thread.run_sync(measured_points, observation, content, name, limiter=slot)
+        points, units = await anyio.to_thread.run_sync(
+            measured_points, observation, content, name, forward_model, limiter=slot
+        )
     except ProblemError as error:
         raise DetailError(
             422, str(error), kind="unreadable-file", title="File cannot be read", issues=error.issues
