@@ -91,7 +91,11 @@ class ObservationSection(Section):
         min_length=1,
         description="CSV file or workbook (XLSX, ODS) with columns x, y[, weight], relative to this file",
     )
-    sheet: str | None = Field(None, min_length=1, description="sheet of a workbook; the first with cells if absent")
+    sheet: str | None = Field(
+        None,
+        min_length=1,
+        description="sheet of a workbook; if absent the only one with the columns by name, else the first with cells",
+    )
     x_column: str | None = Field(
         None,
         min_length=1,

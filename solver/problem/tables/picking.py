@@ -87,6 +87,8 @@ def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
         return _range(sheet, wanted, file)
     what = "there are several columns" if found else "there is no column"
     header = f"the header has: {', '.join(sheet.header)}" if sheet.header else "there is no line of headings"
+    if len(sheet.sheets) > 1:
+        header += f"; this is sheet '{sheet.sheet}' of {', '.join(sheet.sheets)}"
     remedy = f"; name the cells of one: {listed([_cells(sheet, place) for place in found], 'or')}" if found else ""
     raise TableError(f"{file} line {sheet.header_line}: {what} '{wanted}'; {header}{remedy}")
 
