@@ -27,7 +27,7 @@ from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document, read_problem_file
 from geoswarm.solver.units import UnitError, convert
 
-__all__ = ["Points", "inlined_document", "measured_points", "points_of_file", "read_points"]
+__all__ = ["Points", "columns_of", "inlined_document", "measured_points", "points_of_file", "read_points"]
 
 _TAKEN_IN = {
     "sort",
@@ -215,7 +215,7 @@ def _table(
     for place, block in enumerate(section.blocks or [None]):
         at = f"{path}.file" if block is None else f"{path}.blocks[{place}]"
         try:
-            tables.append(table_of(content, name, _columns(_of_block(section, block)), read))
+            tables.append(table_of(content, name, columns_of(_of_block(section, block)), read))
         except TableError as error:
             return None, [], [Issue(at, message) for message in error.messages]
     if section.blocks is None:
@@ -235,7 +235,8 @@ def _of_block(section: ObservationSection, block: BlockSection | None) -> Observ
     return section.model_copy(update=given | {"where": {**(section.where or {}), **(block.where or {})}})
 
 
-def _columns(section: ObservationSection) -> Columns:
+def columns_of(section: ObservationSection) -> Columns:
+    """Which columns of its file a section reads."""
     return Columns(
         section.x_column,
         section.y_column,
