@@ -104,6 +104,8 @@ def page() -> str:
         fields(definitions["ObservationSection"], definitions),
         "### points",
         fields(definitions["PointsSection"], definitions),
+        "### blocks",
+        fields(definitions["BlockSection"], definitions),
         "## method",
         *methods("search", definitions),
         *methods("sampling", definitions),

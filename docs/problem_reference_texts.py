@@ -70,14 +70,16 @@ service refuses them, too.
 
 The problem file, the command line and the form at `/new` read files alike. The header is the first line with the
 columns that are asked for, above rows of numbers; titles, lines of a machine and `#` comments above it do not matter. A
-workbook is read from its first sheet with cells, or from `sheet`. The header names the columns `x`, `y` and, if wanted,
+workbook is read from `sheet`, or from the only sheet that has columns of these names; several such sheets are an error,
+and where there is none, the first with cells is read. The header names the columns `x`, `y` and, if wanted,
 `weight`, in any order and in upper or lower case; other columns are ignored. Columns of other names are given by
 `x_column`, `y_column` and `weight_column`, with or without the unit in the heading. A column of dates
 (`2024-03-01 08:30`, `01.03.2024 08:30`) can be x: days since `x_origin`, or since the first reading. Columns of a text
 file are separated by comma, semicolon, tab or blanks; except next to commas, and in quotes, numbers may have a decimal
 comma. Between blanks an empty cell cannot be seen: each row must then have as many cells as the header. Times such as
 `25:30:00` are days, and cells formatted as per cent are in %. A row with more cells than headings is refused: a comma
-inside a number has split it. The file's path is relative to the problem file.
+inside a number has split it. The file's path is relative to the problem file. `blocks` joins several parts of a file,
+such as stages side by side: see [laboratory files](laboratory-files.md#several-blocks-of-a-file).
 
 ### Readings in disorder, or very many
 

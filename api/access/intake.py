@@ -31,6 +31,7 @@ LARGE_BODIES = frozenset(
         "/problems/read",
         "/measurements",
         "/measurements/points",
+        "/measurements/stages",
         "/measurements/ags",
         "/measurements/ags/problem",
     )

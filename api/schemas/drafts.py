@@ -17,6 +17,7 @@ __all__ = [
     "ExampleList",
     "ExampleSummary",
     "MeasuredPoints",
+    "MeasuredStages",
     "MeasurementColumn",
     "MeasurementFile",
     "ProblemDraft",
@@ -133,6 +134,22 @@ class MeasuredPoints(Model):
     inputs: dict[str, list[float]] = Field(description="further quantities at the points")
     gross_errors: list[int] = Field(description="numbers of those marked as gross errors, from 1")
     notes: list[str] = Field(description="what was read and done")
+
+
+class MeasuredStage(Model):
+    """A load of a test in stages."""
+
+    stress: float = Field(description="kPa")
+    duration: float = Field(description="day")
+    load: float = Field(description="as the file has it")
+
+
+class MeasuredStages(Model):
+    """Stages of a test from a column of loads."""
+
+    stages: list[MeasuredStage]
+    initial_stress: float | None = Field(description="kPa; the load that the first reading alone has")
+    elapsed: bool = Field(description="x begins anew in every stage: the readings need `blocks` with their stage")
 
 
 class ExampleSummary(BaseModel):

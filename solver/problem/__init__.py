@@ -2,6 +2,7 @@
 
 from geoswarm.solver.problem.assembly import load_problem, parse_problem
 from geoswarm.solver.problem.draft import Draft, LocatedIssue, draft_of_document, draft_of_text
+from geoswarm.solver.problem.load_stages import measured_stages
 from geoswarm.solver.problem.observations import Observation
 from geoswarm.solver.problem.parameters import FixedParameter, FreeParameter, LinkedParameter, Parameter
 from geoswarm.solver.problem.points import Points, measured_points
@@ -32,6 +33,7 @@ __all__ = [
     "draft_of_text",
     "load_problem",
     "measured_points",
+    "measured_stages",
     "parse_problem",
     "problem_schema",
     "problem_yaml",

@@ -8,10 +8,11 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.loss import LossKind
-from geoswarm.solver.problem.preparation import Resample
+from geoswarm.solver.problem.readings.joined import BlockSection
+from geoswarm.solver.problem.readings.preparation import Resample
+from geoswarm.solver.problem.readings.zero import ZeroReading
 from geoswarm.solver.problem.tables.dates import DateForm, moment_in
 from geoswarm.solver.problem.tables.numerals import DecimalSign
-from geoswarm.solver.problem.zero import ZeroReading
 from geoswarm.solver.section import Section
 
 __all__ = ["UNSTATED", "ObservationSection", "PointsSection"]
@@ -74,6 +75,7 @@ _OF_A_FILE = (
     "x_dates",
     "x_time_column",
     "x_origin",
+    "blocks",
     "decimal_sign",
     "incomplete_rows",
 )
@@ -89,7 +91,11 @@ class ObservationSection(Section):
         min_length=1,
         description="CSV file or workbook (XLSX, ODS) with columns x, y[, weight], relative to this file",
     )
-    sheet: str | None = Field(None, min_length=1, description="sheet of a workbook; the first with cells if absent")
+    sheet: str | None = Field(
+        None,
+        min_length=1,
+        description="sheet of a workbook; if absent the only one with the columns by name, else the first with cells",
+    )
     x_column: str | None = Field(
         None,
         min_length=1,
@@ -130,6 +136,13 @@ class ObservationSection(Section):
     )
     x_origin: Moment | None = Field(
         None, description='where x holds dates: the one at which x is 0 ("2024-03-01 08:30"); the first if absent'
+    )
+    blocks: list[BlockSection] | None = Field(
+        None,
+        min_length=1,
+        max_length=50,
+        description="parts of the file that are joined in this order, stages side by side or on sheets of their own: "
+        "[{x_column: A:A, y_column: B:B, stage: 1}, {x_column: D:D, y_column: E:E, stage: 2}]",
     )
     decimal_sign: DecimalSign | None = Field(
         None,
@@ -215,6 +228,13 @@ class ObservationSection(Section):
         if (self.points is None) == (self.file is None):
             given = "both are given" if self.file else "none is given"
             raise PydanticCustomError("one_source", "give either points or file; {given}", {"given": given})
+        staged = [block.stage is not None for block in self.blocks or ()]
+        if any(staged) and not all(staged):
+            raise PydanticCustomError("blocks", "some blocks have a stage and others none; give it to all of them")
+        if any(staged) and (self.x_origin is not None or self.x_factor != 1.0):
+            raise PydanticCustomError(
+                "blocks", "x of blocks with stage is time since its load: leave out x_origin, x_factor"
+            )
         if self.loss is None and self.loss_scale is not None:
             raise PydanticCustomError(
                 "loss", "loss_scale is that of a loss: give loss as well (soft_l1, huber, cauchy)"

@@ -16,10 +16,10 @@ from geoswarm.solver.loss import TUNING, Loss
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.points import Points
+from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
 from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
 from geoswarm.solver.problem.tables.picking import is_cells
-from geoswarm.solver.problem.tables.selection import SELECTION, chosen_points
 from geoswarm.solver.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
 

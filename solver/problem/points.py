@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,9 +16,10 @@ from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
-from geoswarm.solver.problem.preparation import Preparation, PreparationError, Readings, prepared
+from geoswarm.solver.problem.readings.joined import BlockError, BlockSection, joined
+from geoswarm.solver.problem.readings.preparation import Preparation, PreparationError, Readings, prepared
 from geoswarm.solver.problem.stages import stage_times
-from geoswarm.solver.problem.tables.cells import file_content
+from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
@@ -25,7 +27,7 @@ from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document, read_problem_file
 from geoswarm.solver.units import UnitError, convert
 
-__all__ = ["Points", "inlined_document", "measured_points", "points_of_file", "read_points"]
+__all__ = ["Points", "columns_of", "inlined_document", "measured_points", "points_of_file", "read_points"]
 
 _TAKEN_IN = {
     "sort",
@@ -40,7 +42,7 @@ _TAKEN_IN = {
     "where",
 }
 _TAKEN_IN |= {"x_column", "y_column", "y_minus", "weight_column", "inputs", "gross_error_column", "x_dates"}
-_TAKEN_IN |= {"x_time_column", "x_origin", "file"}
+_TAKEN_IN |= {"x_time_column", "x_origin", "file", "blocks"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +143,9 @@ def read_points(
     return points_of_file(section, path, content, file.name, spec)
 
 
-def measured_points(observation: str, content: bytes, name: str) -> tuple[Points, dict[str, str]]:
+def measured_points(
+    observation: str, content: bytes, name: str, forward_model: str | None = None
+) -> tuple[Points, dict[str, str]]:
     """Points of a file that is not part of a problem yet, and ``x_unit`` and ``y_unit`` that they are in.
 
     A unit is the one that the observation gives, or that the file names; ``unstated`` where there is neither.
@@ -152,6 +156,8 @@ def measured_points(observation: str, content: bytes, name: str) -> tuple[Points
         Which of it they are, as JSON: an observation of a problem file but for ``file`` and ``points``.
     content, name
         The file, and what it is called in messages.
+    forward_model
+        Of the problem, as JSON, as far as it is known: it says when loads are applied.
 
     Raises
     ------
@@ -162,7 +168,8 @@ def measured_points(observation: str, content: bytes, name: str) -> tuple[Points
     section, issues = validated(ObservationSection, given, "")
     if section is None:
         raise ProblemError(issues)
-    points, issues = points_of_file(section, "", content, name)
+    spec = None if forward_model is None else _known_spec(read_document(forward_model, "json"))
+    points, issues = points_of_file(section, "", content, name, spec)
     if points is None or issues:
         raise ProblemError([replace(issue, path=issue.path.removeprefix(".")) for issue in issues])
     units = {"x_unit": section.x_unit, "y_unit": section.y_unit}
@@ -182,17 +189,16 @@ def points_of_file(
     section: ObservationSection, path: str, content: bytes, name: str, spec: ForwardModelSpec | None = None
 ) -> tuple[Points | None, list[Issue]]:
     """Points of a section from the content of its file, called ``name`` in messages."""
-    try:
-        table = table_of(content, name, _columns(section))
-    except TableError as error:
-        return None, [Issue(f"{path}.file", message) for message in error.messages]
+    table, done, issues = _table(section, path, content, name, spec)
+    if table is None:
+        return None, issues
     points = Points(
         table.x,
         table.y,
         table.weight,
         inputs=table.inputs,
         gross_errors=tuple(table.gross_errors),
-        notes=(*section.notes, *_reading_notes(section, table, name)),
+        notes=(*section.notes, *done, *_reading_notes(section, table, name)),
         x_heading=table.x_heading,
         y_heading=table.y_heading,
     )
@@ -200,7 +206,37 @@ def points_of_file(
     return (points, issues) if issues else _prepared(points, section, path, spec)
 
 
-def _columns(section: ObservationSection) -> Columns:
+def _table(
+    section: ObservationSection, path: str, content: bytes, name: str, spec: ForwardModelSpec | None
+) -> tuple[Table | None, list[str], list[Issue]]:
+    """The table of a section, of all its blocks if it has some; what was done, and what is wrong."""
+    read = functools.cache(read_cells)  # blocks of one sheet
+    tables: list[Table] = []
+    for place, block in enumerate(section.blocks or [None]):
+        at = f"{path}.file" if block is None else f"{path}.blocks[{place}]"
+        try:
+            tables.append(table_of(content, name, columns_of(_of_block(section, block)), read))
+        except TableError as error:
+            return None, [], [Issue(at, message) for message in error.messages]
+    if section.blocks is None:
+        return tables[0], [], []
+    starts = np.empty(0) if spec is None else stage_times(spec, section.series)
+    try:
+        table, done = joined(section.blocks, tables, (section.x_unit, section.y_unit), starts)
+    except BlockError as error:
+        return None, [], [Issue(f"{path}.blocks[{error.place}].{error.key}", str(error))]
+    return table, [f"{name}: {done}"], []
+
+
+def _of_block(section: ObservationSection, block: BlockSection | None) -> ObservationSection:
+    if block is None:
+        return section
+    given = {key: getattr(block, key) for key in ("sheet", "x_column", "y_column") if getattr(block, key) is not None}
+    return section.model_copy(update=given | {"where": {**(section.where or {}), **(block.where or {})}})
+
+
+def columns_of(section: ObservationSection) -> Columns:
+    """Which columns of its file a section reads."""
     return Columns(
         section.x_column,
         section.y_column,
@@ -318,6 +354,14 @@ def _weight_issues(points: Points, path: str) -> list[Issue]:
     return []
 
 
+def _known_spec(section: Any) -> ForwardModelSpec | None:
+    """The forward model, where it is complete; others are judged where it is calculated."""
+    try:
+        return parse_spec(section)
+    except (TypeError, ValueError):
+        return None
+
+
 def inlined_document(path: Path) -> dict[str, Any]:
     """Read a problem file that may lack what another problem gives; only its measurement files are read.
 
@@ -328,10 +372,7 @@ def inlined_document(path: Path) -> dict[str, Any]:
     """
     document = {"name": path.stem, **read_problem_file(path)}
     observations = document.get("observations")
-    try:
-        spec = parse_spec(document.get("forward_model"))
-    except (TypeError, ValueError):  # judged where it is calculated
-        spec = None
+    spec = _known_spec(document.get("forward_model"))
     if not isinstance(observations, list):
         return document
     found: list[Any] = []

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import MutableMapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from geoswarm.client import AsyncClient, Client, HttpError
 from tests.api.conftest import API, App, LiveServer, line_problem
+from tests.solver.problem.test_blocks import IN_TURN, SIDE, X, Y
+from tests.solver.problem.test_load_stages import ANEW
 from tests.solver.problem.test_measurements import ROWS, STRINGS, workbook
+from tests.solver.problem.test_selection import staged
 
 YAML = {"Content-Type": "application/yaml"}
 
@@ -84,6 +89,22 @@ def test_files_of_both_kinds_are_read(app: App) -> None:
     ]
     sheet = app.post(f"{API}/measurements", content=workbook(("Readings", ROWS), strings=STRINGS)).json()
     assert (sheet["sheet"], sheet["columns"][1]["bad"]) == ("Readings", 1)
+
+
+def test_blocks_and_loads_of_a_file_become_stages(app: App) -> None:
+    query = {"name": "a.csv", "observation": '{"x_column": "Zeit"}', "load_column": "Spannung"}
+    assert app.post(f"{API}/measurements/stages", params=query, content=ANEW.encode()).json() == {
+        "stages": [{"stress": 12.5, "duration": 1.0, "load": 0.0125}, {"stress": 25.0, "duration": 2.0, "load": 0.025}],
+        "initial_stress": None,
+        "elapsed": True,
+    }
+    query["load_column"] = "Last"
+    refused = app.post(f"{API}/measurements/stages", params=query, content=ANEW.encode())
+    assert (refused.status_code, "there is no column 'Last'" in refused.text) == (422, True)
+    observation = {"series": "settlement", "blocks": IN_TURN}
+    query = {"observation": json.dumps(observation), "forward_model": json.dumps(staged().document()["forward_model"])}
+    points = app.post(f"{API}/measurements/points", params=query, content=SIDE).json()
+    assert (np.round(points["x"], 9).tolist(), points["y"]) == (X, Y)
 
 
 def test_a_file_that_cannot_be_read_is_explained(app: App) -> None:

@@ -169,7 +169,8 @@ def test_a_function_in_a_problem_file_is_calculated(tmp_path: Path) -> None:
     assert calculated(document, tmp_path) == pytest.approx(4.0e-6, rel=1e-9)
 
 
-def test_keys_of_a_file_of_a_laboratory_are_those_of_an_observation() -> None:
-    (observation,) = part("docs/laboratory-files.md", "sheet: Oedometer 1")["observations"]
+@pytest.mark.parametrize("block", ["sheet: Oedometer 1", "blocks:"])
+def test_keys_of_a_file_of_a_laboratory_are_those_of_an_observation(block: str) -> None:
+    (observation,) = part("docs/laboratory-files.md", block)["observations"]
     given = ObservationSection.model_validate(observation)
     assert given.model_dump(exclude_unset=True).keys() == observation.keys()

@@ -95,7 +95,8 @@ BLOCKS: Final[dict[str, dict[str, str]]] = {
         "liquid_limit": f"{PROBLEMS}test_a_section_is_accepted",
     },
     "docs/laboratory-files.md": {
-        "sheet: Oedometer 1": f"{PROBLEMS}test_keys_of_a_file_of_a_laboratory_are_those_of_an_observation"
+        "sheet: Oedometer 1": f"{PROBLEMS}test_keys_of_a_file_of_a_laboratory_are_those_of_an_observation",
+        "blocks:": f"{PROBLEMS}test_keys_of_a_file_of_a_laboratory_are_those_of_an_observation",
     },
     "docs/laboratory-tests.md": {"indented": DRAWING},
     **{

@@ -14,7 +14,7 @@ __all__ = ["warn_of_many_points"]
 
 def warn_of_many_points(problem: Problem) -> None:
     """Warn of series with so many points that they only cost time."""
-    from geoswarm.solver.problem.preparation import many_points_warning
+    from geoswarm.solver.problem.readings.preparation import many_points_warning
 
     for observation in problem.observations:
         message = many_points_warning(observation.series, len(observation.x))

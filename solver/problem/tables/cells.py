@@ -32,6 +32,7 @@ _SUMMARY = re.compile(
     re.IGNORECASE,
 )
 _WORD = re.compile(r"[^\W\d_]{3}")
+_SOME_ROWS = 3
 
 __all__ = ["Sheet", "file_content", "number_in", "read_cells", "without_units"]
 
@@ -93,9 +94,9 @@ def read_cells(
     name
         Of the file, for messages.
     sheet
-        Of a workbook; the first one with cells unless given.
+        Of a workbook; unless given, the only one with the headings that are wanted, else the first one with cells.
     numbers
-        Whether the first sheet with a row of numbers is meant where none is given, not a cover before it.
+        Whether the first sheet with a table, or a row of numbers, is meant where none is given, not a cover before it.
     wanted
         Headings by which the table is found where a file holds several.
 
@@ -108,8 +109,9 @@ def read_cells(
     if len(content) > MAX_TABLE_BYTES:
         raise TableError(f"{name} is larger than {MAX_TABLE_BYTES} bytes")
     if content.startswith(b"PK"):
-        sheets, chosen, found = read_workbook(content, name, sheet, _has_numbers if numbers else None)
-        rows = [(line, cells) for line, cells in enumerate(found, start=1) if any(cell != "" for cell in cells)]
+        suits = _looks_like_table if numbers else (lambda rows: _has_columns(rows, wanted)) if wanted else None
+        sheets, chosen, found = read_workbook(content, name, sheet, suits, alone=not numbers and bool(wanted))
+        rows = _filled(found)
         return _sheet(tuple(sheets), chosen, "", rows, begin(rows, wanted), _first_numbers(rows))
     if content.startswith(b"\xd0\xcf\x11\xe0"):
         raise TableError(f"{name} is a workbook of the old form (.xls); save it as .xlsx, .ods or .csv")
@@ -171,9 +173,21 @@ def _without_heading(lines: list[tuple[int, str]]) -> str:
     return BLANKS if len(cells) > 1 and all(cell_number(cell) is not None for cell in cells) else ","
 
 
-def _has_numbers(rows: list[list[Cell]]) -> bool:
-    """Whether a row has two numbers, dates or formulas, as readings have."""
-    return any(sum(is_reading(cell) for cell in row) >= 2 for row in rows)
+def _filled(rows: list[list[Cell]]) -> list[tuple[int, list[Cell]]]:
+    return [(line, cells) for line, cells in enumerate(rows, start=1) if any(cell != "" for cell in cells)]
+
+
+def _looks_like_table(rows: list[list[Cell]]) -> int:
+    """2: some rows of readings stand below names; 1: a row has two numbers, dates or formulas, as readings have."""
+    block = begin(_filled(rows))
+    if block is not None and block.length >= _SOME_ROWS:
+        return 2
+    return int(any(sum(is_reading(cell) for cell in row) >= 2 for row in rows))
+
+
+def _has_columns(rows: list[list[Cell]], wanted: list[str]) -> int:
+    block = begin(_filled(rows), wanted)
+    return 2 if block is not None and block.named else 0
 
 
 def _first_numbers(rows: list[tuple[int, list[Cell]]]) -> int:

@@ -23,10 +23,17 @@ from geoswarm.solver.problem.tables.dates import (
 from geoswarm.solver.problem.tables.headings import Heading, heading_of, units_in_comments
 from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, number_of, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
-from geoswarm.solver.problem.tables.picking import Picked, column_of, is_cells, is_range, names_used, picked, rows_where
+from geoswarm.solver.problem.tables.picking import (
+    Picked,
+    column_of,
+    is_cells,
+    is_range,
+    picked,
+    rows_where,
+    sheet_of_names,
+)
 from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import TableError
-from geoswarm.solver.problem.tables.workbooks import named_cells
 
 __all__ = ["Columns", "Table", "table_of"]
 
@@ -113,7 +120,7 @@ class Table:
     left_out: int = 0
 
 
-def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
+def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Callable[..., Sheet] = read_cells) -> Table:
     """Read the columns x, y and weight of a CSV file or a workbook.
 
     Parameters
@@ -124,6 +131,8 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
         case alike. Rows without any of the cells that are wanted are left out.
     name
         Its name, for messages.
+    read
+        Reads the cells; who reads several parts of a file may keep them.
 
     Raises
     ------
@@ -132,10 +141,11 @@ def table_of(content: bytes, name: str, columns: Columns = Columns()) -> Table:
     """
     quick = None if _needs_cells(columns) else plain_numbers(content)
     wanted = columns.wanted()
-    names = [text for text in (*wanted.values(), *columns.where) if not is_cells(text)]
-    sheet = read_cells(content, name, columns.sheet, wanted=names) if quick is None else quick[0]
+    names = tuple(text for text in (*wanted.values(), *columns.where) if not is_cells(text))
+    sheet = read(content, name, columns.sheet, wanted=names) if quick is None else quick[0]
     if content.startswith(b"PK"):
-        sheet = _named(content, name, columns, sheet, wanted)
+        of = sheet_of_names(content, name, columns.sheet, sheet, wanted)
+        sheet = sheet if of == sheet.sheet else read(content, name, of)
     if not sheet.header and not sheet.rows:
         raise TableError(f"{name} is empty; a header line x,y is expected")
     if "weight" not in wanted and column_of(sheet, "weight") and not is_range(wanted["x"]):
@@ -187,21 +197,6 @@ def _needs_cells(columns: Columns) -> bool:
         or columns.decimal
         or texts.keys() & {"y_minus", "x_time", "gross_error"}
     ) or any(is_range(text) for text in texts.values())
-
-
-def _named(content: bytes, name: str, columns: Columns, sheet: Sheet, wanted: dict[str, str]) -> Sheet:
-    """Put the cells in place of names that a workbook has for them; the sheet on which they are."""
-    if all(column_of(sheet, text) or is_range(text) for text in wanted.values()):
-        return sheet  # without unpacking the workbook once more
-    used = names_used(sheet, wanted, named_cells(content, name), name)
-    if not used:
-        return sheet
-    sheets = {of for of, _ in used.values()} | ({columns.sheet} if columns.sheet is not None else set())
-    if len(sheets) > 1:
-        raise TableError(f"{name}: the named cells are on several sheets: {', '.join(sorted(sheets))}")
-    wanted.update({role: cells for role, (_, cells) in used.items()})
-    (of,) = sheets
-    return sheet if of == sheet.sheet else read_cells(content, name, of)
 
 
 def _picked(sheet: Sheet, rows: list[tuple[int, list[Cell]]], role: str, text: str, name: str) -> Picked:

@@ -293,13 +293,20 @@ def _outside(text: str, heading: str) -> Iterable[Named]:
     for found in _BEHIND.finditer(text):
         given = text[found.end() :]
         unit, base = _known(given, small=True)
+        if "_" in found[0] and _is_symbol(given, base, text[: found.start()]):
+            return
         if unit is not None or _is_no_unit(given):
             yield Named(unit, base, unit is None, given, text[: found.start()].rstrip() or heading)
             return
     if len(words) > 1 and _VALUE_BEFORE.search(words[-2]) is None:
         unit, base = _known(words[-1], small=True)
-        if unit is not None:
+        if unit is not None and not _is_symbol(words[-1], base, " ".join(words[:-1])):
             yield Named(unit, base, False, words[-1], " ".join(words[:-1]))
+
+
+def _is_symbol(letter: str, base: str | None, before: str) -> bool:
+    """Whether a letter is no unit of time, but an index, or the height in ``delta_h``: no word before it means time."""
+    return len(letter) == 1 and base == "day" and not {"time", "stage"} & {*quantities_of(before)}
 
 
 def _among(words: list[str], heading: str) -> Named | None:

@@ -12,9 +12,10 @@ from geoswarm.solver.problem.tables.cells import Sheet, number_in
 from geoswarm.solver.problem.tables.headings import guess_unit, without_brackets
 from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_letters, column_number
 from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.tables.workbooks import named_cells
 from geoswarm.solver.words import listed
 
-__all__ = ["Picked", "column_of", "is_cells", "is_range", "names_used", "picked", "rows_where"]
+__all__ = ["Picked", "column_of", "is_cells", "is_range", "picked", "rows_where", "sheet_of_names"]
 
 _ADDRESS = re.compile(r"\$?([A-Za-z]{1,3})\$?(\d{1,7})(?::\.?\$?([A-Za-z]{1,3})\$?(\d{1,7}))?", re.ASCII)
 _LETTERS = re.compile(r"\$?([A-Za-z]{1,3}):\$?([A-Za-z]{1,3})", re.ASCII)
@@ -86,6 +87,8 @@ def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
         return _range(sheet, wanted, file)
     what = "there are several columns" if found else "there is no column"
     header = f"the header has: {', '.join(sheet.header)}" if sheet.header else "there is no line of headings"
+    if len(sheet.sheets) > 1:
+        header += f"; this is sheet '{sheet.sheet}' of {', '.join(sheet.sheets)}"
     remedy = f"; name the cells of one: {listed([_cells(sheet, place) for place in found], 'or')}" if found else ""
     raise TableError(f"{file} line {sheet.header_line}: {what} '{wanted}'; {header}{remedy}")
 
@@ -127,16 +130,35 @@ def _heading(before: list[Cell]) -> str:
     return " ".join(found)
 
 
-def names_used(
-    sheet: Sheet, wanted: Mapping[str, str], names: Mapping[str, str], file: str
-) -> dict[str, tuple[str, str]]:
-    """Columns that are names of cells: sheet and range of each role.
+def sheet_of_names(content: bytes, name: str, given: str | None, sheet: Sheet, wanted: dict[str, str]) -> str | None:
+    """Put the cells in place of names that a workbook has for them; the sheet on which they are.
+
+    Parameters
+    ----------
+    given
+        The sheet that is asked for, if any is.
 
     Raises
     ------
     TableError
-        A name stands for something else.
+        The names stand for something else, or for cells of several sheets.
     """
+    if all(column_of(sheet, text) or is_range(text) for text in wanted.values()):
+        return sheet.sheet  # without unpacking the workbook once more
+    used = _names_used(sheet, wanted, named_cells(content, name), name)
+    if not used:
+        return sheet.sheet
+    sheets = {of for of, _ in used.values()} | ({given} if given is not None else set())
+    if len(sheets) > 1:
+        raise TableError(f"{name}: the named cells are on several sheets: {', '.join(sorted(sheets))}")
+    wanted.update({role: cells for role, (_, cells) in used.items()})
+    return sheets.pop()
+
+
+def _names_used(
+    sheet: Sheet, wanted: Mapping[str, str], names: Mapping[str, str], file: str
+) -> dict[str, tuple[str, str]]:
+    """Columns that are names of cells: sheet and range of each role."""
     found = {}
     for role, text in wanted.items():
         if text not in names or column_of(sheet, text):

@@ -49,7 +49,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
         ("axial_strain", "vertical_strain"),
     ),
     (
-        r"setzung|settlement|zusammendrückung|höhenänderung|(change of|change in) height|^s$",
+        r"setzung|settlement|zusammendrückung|höhenänderung|(change of|change in) height|^s$|^(delta|[dδ∆]) ?h\d?$",
         ("settlement", "axial_displacement"),
     ),
     (

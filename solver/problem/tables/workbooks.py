@@ -36,12 +36,14 @@ _QUOTED = re.compile(r'"[^"]*"?|\[[^\]]*\]?|\\.')  # what is not closed reaches 
 _LONGEST_FORMAT = 255
 """Characters of a format that spreadsheet programs accept."""
 _SECONDS_A_DAY = 86400
+_WELL = 2
 
-_Suits = Callable[[list[list[Cell]]], bool]
+_Suits = Callable[[list[list[Cell]]], int]
+_Sheets = tuple[list[str], Callable[[str], Iterable[list[Cell]]]]
 
 
 def read_workbook(
-    content: bytes, name: str, sheet: str | None = None, suits: Callable[[list[list[Cell]]], bool] | None = None
+    content: bytes, name: str, sheet: str | None = None, suits: _Suits | None = None, *, alone: bool = False
 ) -> tuple[list[str], str, list[list[Cell]]]:
     """Read one sheet of a workbook.
 
@@ -54,8 +56,10 @@ def read_workbook(
     sheet
         Name of the sheet; the first one that has cells unless given.
     suits
-        Tells whether the rows of a sheet that nobody has named are what is looked for: then the first such sheet is
-        read, and the first one that has cells only where there is none.
+        Tells how well the rows of a sheet that nobody has named are what is looked for, 0: not at all, 2: well. The
+        first of the best sheets is read, and the first one that has cells where there is none.
+    alone
+        Whether several sheets that suit well are a mistake.
 
     Returns
     -------
@@ -68,7 +72,8 @@ def read_workbook(
     """
     with _opened(content, name) as archive, _explained(name):
         parts = PackedParts(archive, name)
-        return _read_ods(parts, sheet, suits) if _is_ods(archive) else _Workbook(parts).read(sheet, suits)
+        sheets, rows_of = _ods(parts) if _is_ods(archive) else _Workbook(parts).sheets()
+        return sheets, *_chosen(name, sheet, sheets, rows_of, suits, alone)
 
 
 def named_cells(content: bytes, name: str) -> dict[str, str]:
@@ -107,45 +112,49 @@ def _is_ods(archive: zipfile.ZipFile) -> bool:
     return "content.xml" in archive.namelist()
 
 
-def _read_ods(parts: PackedParts, wanted: str | None, suits: _Suits | None) -> tuple[list[str], str, list[list[Cell]]]:
+def _ods(parts: PackedParts) -> _Sheets:
     tables = ods_sheets(parts)
-    sheets = _known(parts.name, wanted, list(tables))
-    return sheets, *_chosen(wanted, sheets, lambda sheet: ods_rows(parts, tables[sheet]), suits)
-
-
-def _known(name: str, wanted: str | None, sheets: list[str]) -> list[str]:
-    """The sheets, if there are any, and the one that is wanted is among them."""
-    if not sheets:
-        raise TableError(f"{name} has no sheets with cells")
-    if wanted is not None and wanted not in sheets:
-        raise TableError(f"{name} has no sheet '{wanted}'; its sheets: {', '.join(sheets)}")
-    return sheets
+    return list(tables), lambda sheet: ods_rows(parts, tables[sheet])
 
 
 def _chosen(
+    name: str,
     wanted: str | None,
     sheets: Sequence[str],
     rows_of: Callable[[str], Iterable[list[Cell]]],
     suits: _Suits | None,
+    alone: bool,
 ) -> tuple[str, list[list[Cell]]]:
-    """The sheet that is wanted, or the first one that suits, or the first one with cells; and its rows."""
+    """The sheet that is wanted, or the first of those that suit best, or the first one with cells; and its rows."""
+    if not sheets:
+        raise TableError(f"{name} has no sheets with cells")
     if wanted is not None:
+        if wanted not in sheets:
+            raise TableError(f"{name} has no sheet '{wanted}'; its sheets: {', '.join(sheets)}")
         return wanted, list(rows_of(wanted))
-    filled: tuple[str, list[list[Cell]]] | None = None
+    best: tuple[int, str, list[list[Cell]]] | None = None
+    well: list[str] = []
     for sheet in sheets:
         rows = list(rows_of(sheet))
-        if any(cell != "" for row in rows for cell in row):
-            filled = filled or (sheet, rows)
-            if suits is None or suits(rows):
-                return sheet, rows
-    return filled or (sheets[-1], [])
+        if not any(cell != "" for row in rows for cell in row):
+            continue
+        merit = _WELL if suits is None else suits(rows)
+        if best is None or merit > best[0]:
+            best = merit, sheet, rows
+        well += [sheet] if merit == _WELL else []
+        if merit == _WELL and not alone:
+            break
+    if len(well) > 1:
+        raise TableError(f"{name}: several sheets have these columns, {', '.join(well)}; give sheet: {well[0]}")
+    return (sheets[-1], []) if best is None else best[1:]
 
 
 class _Workbook:
     def __init__(self, parts: PackedParts) -> None:
         self._parts = parts
 
-    def read(self, wanted: str | None, suits: _Suits | None) -> tuple[list[str], str, list[list[Cell]]]:
+    def sheets(self) -> _Sheets:
+        """Names of the sheets, and what reads one."""
         part = self._parts.part
         book = part("xl/workbook.xml")
         targets = {one.get("Id", ""): one.get("Target", "") for one in part("xl/_rels/workbook.xml.rels")}
@@ -154,12 +163,11 @@ class _Workbook:
             for one in book.iter(f"{_MAIN}sheet")
             if _place(targets.get(one.get(_RELATION, ""), "")).startswith("xl/worksheets/")  # not the charts
         }
-        names = _known(self._parts.name, wanted, list(sheets))
         settings = book.find(f"{_MAIN}workbookPr")
         since_1904 = settings is not None and settings.get("date1904") in ("1", "true")
         texts = [self._text(one) for one in part("xl/sharedStrings.xml", optional=True).iter(f"{_MAIN}si")]
         styles = _styles(part("xl/styles.xml", optional=True))
-        return names, *_chosen(wanted, names, lambda sheet: self._rows(sheets[sheet], texts, styles, since_1904), suits)
+        return list(sheets), lambda sheet: self._rows(sheets[sheet], texts, styles, since_1904)
 
     def _rows(self, place: str, texts: list[str], styles: list[str], since_1904: bool) -> Iterator[list[Cell]]:
         left, line = MAX_CELLS, 0

@@ -10,6 +10,7 @@ import pytest
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import TableError, measured_points, read_measurements
 from geoswarm.solver.problem.observations import unit_of_data
+from geoswarm.solver.problem.tables.columns import Columns, table_of
 from geoswarm.solver.problem.tables.headings import heading_of
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, number_of
 from geoswarm.solver.problem.tables.quantities import quantities_of
@@ -90,6 +91,27 @@ def test_a_look_at_a_file_tells_doubt_and_guesses_no_number() -> None:
 
 COVER = sheet_rows(("Laboratory report",), ("Client", "harbour"), ("Date", "2024-03-01"))
 READINGS = sheet_rows(("Zeit [min]", "Setzung [mm]"), (1.0, 0.5), (2.0, 0.75))
+
+
+PLACES = sheet_rows(("Probe 1",), ("Höhe:", 90.6, 90.0, "mm"), ("Masse:", 165.34, 164.79, "g"))
+READ = sheet_rows(("Zeit [s]", "Kraft [N]"), (0, 1), (300, 2), (600, 3))
+
+
+def test_the_only_sheet_with_the_columns_is_read_and_several_are_asked_for() -> None:
+    wanted = Columns("Zeit", "Kraft")
+    table = table_of(workbook(("Tabelle", PLACES), ("Versuch01", READ)), "a.xlsx", wanted)
+    assert (table.x, table.y) == ([0, 300, 600], [1, 2, 3])
+    several = workbook(("Tabelle", PLACES), ("Versuch01", READ), ("Versuch02", READ))
+    with pytest.raises(TableError, match="several sheets have these columns, Versuch01, Versuch02; give sheet"):
+        table_of(several, "a.xlsx", wanted)
+    with pytest.raises(TableError, match="this is sheet 'Tabelle' of Tabelle, Versuch01, Versuch02"):
+        table_of(several, "a.xlsx", Columns("Zeit", "Weg"))
+
+
+def test_a_sheet_of_data_about_the_specimen_is_no_table_of_readings() -> None:
+    constants = sheet_rows(("mT", "mR"), (2.24, 2.68))
+    found = read_measurements(workbook(("Tabelle", PLACES), ("Parameter", constants), ("Versuch01", READ)), "a.xlsx")
+    assert found.sheet == "Versuch01"
 
 
 def test_the_cover_of_a_workbook_is_passed_over() -> None:

@@ -216,6 +216,10 @@ def test_units_of_headings(heading: str, base: str, factor: float) -> None:
         "p (t)",
         "Sensor 1",
         "x_1",
+        "delta_h",
+        "d_h",
+        "Delta h",
+        "sigma_h",
         "eps [10^-9]",
     ],
 )

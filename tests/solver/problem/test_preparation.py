@@ -10,7 +10,7 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Observation, parse_problem
-from geoswarm.solver.problem.preparation import many_points_warning
+from geoswarm.solver.problem.readings.preparation import many_points_warning
 from tests.solver.problem.test_columns import mistakes, observed
 from tests.solver.problems import decay_document
 

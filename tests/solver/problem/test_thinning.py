@@ -16,7 +16,7 @@ from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.identifiability.weighting import BY_SPREAD, reweighted_problem, spread_weights
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.problem.preparation import independent_readings
+from geoswarm.solver.problem.readings.preparation import independent_readings
 from geoswarm.solver.problem.weighting import WEIGHTINGS, by_test, weight_shares
 
 X = np.arange(1.0, 1201.0)

@@ -1,5 +1,5 @@
 // What was measured: readings of series, their units and weights, and the share of each weight.
-import { element, empty, exchange } from "../dom.js";
+import { announce, element, empty, exchange } from "../dom.js";
 import { count, percent } from "../format.js";
 import { errorPlace, field, idOf } from "./fields.js";
 import { flag } from "./import/inputs.js";
@@ -16,6 +16,8 @@ const SCHEMES = [
   ["by_test", "by test: every test counts alike, and every series in it"],
 ];
 
+const LONGEST = 20_000; // characters of a forward model that the service takes with a file
+
 export function observationsSection(context, place) {
   const { draft } = context;
   const list = element("div", {}), scheme = element("div", {}), look = element("div", {});
@@ -30,8 +32,25 @@ export function observationsSection(context, place) {
     openParameters: () => Boolean(draft.answer?.open_parameters),
     begun: context.begun,
     document: () => draft.document,
+    staged: () => { const item = stagesItem(); return Boolean(item?.stress && item.duration); },
+    stages: () => draft.read(["forward_model", "stages"]),
+    forwardModel: () => { const text = JSON.stringify(draft.read(["forward_model"]) ?? {}); return text.length < LONGEST ? text : undefined; },
     materials: context.root.$defs.forward_model_oedometer?.properties.material?.enum ?? [],
-  }, { take, replace, replaced: (act) => draft.on("undo", act) });
+  }, { take, replace, stages, replaced: (act) => draft.on("undo", act) });
+
+  const sectionOf = () => context.root.$defs[`forward_model_${draft.read(["forward_model", "kind"])}`]?.properties ?? {};
+  const stagesItem = () => { const list_ = sectionOf().stages; return list_?.items && context.schemas.resolve(list_.items).properties; };
+
+  /** Stages of the forward model from a file. */
+  async function stages(found, file) {
+    const back = draft.mark(), old = draft.read(["forward_model", "stages"]);
+    const initial = found.initial_stress && "initial_stress" in sectionOf() ? { initial_stress: found.initial_stress } : {};
+    const given = found.stages.map(({ stress, duration }) => ({ stress, duration }));
+    draft.replace({ ...draft.document, forward_model: { ...draft.document.forward_model, ...initial, stages: given } });
+    if (old?.length) back(`${count(old.length)} stages were replaced by the ${count(given.length)} of ${file}.`);
+    else announce(`${count(given.length)} stages were taken from ${file}.`);
+    await draft.judge().catch(() => null);
+  }
 
   /** A problem instead of the one that is here; whether that was told. */
   function replace(problem, words) {

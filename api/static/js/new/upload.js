@@ -9,7 +9,7 @@ const NAMED = 4; // specimens that a sentence names
 
 /**
  * The place for files; `context` tells of series and readings (see `mapping`) and of the problem (see `agsChoice`);
- * `act`: {take(observation, name): true: it has told, replace(problem, words): true: it has told, replaced(act): calls it when more was replaced}.
+ * `act`: {take(observation, name): true: it has told, stages(found, name), replace(problem, words): true: it has told, replaced(act): calls it when more was replaced}.
  */
 export function uploader(context, act) {
   const place = element("div", {});
@@ -50,6 +50,10 @@ export function uploader(context, act) {
         const told = act.take(observation, name);
         input.focus();
         return told;
+      },
+      stages: async (found) => {
+        await act.stages(found, file.name);
+        await read(file, answer.sheet ?? undefined); // by the series that there are now
       },
       cancel: leave,
     });

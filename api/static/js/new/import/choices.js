@@ -6,7 +6,7 @@ export const CELLS = "cells"; // a column that is told by its letters, cells or 
 
 /** What is chosen at first; `more` holds what few files need. */
 export function beginning() {
-  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, found: {}, more: {} };
+  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, found: {}, more: {} };
 }
 
 /** Columns and units for a series that was chosen. */
@@ -24,8 +24,9 @@ export function suit(state, file, info, y = null) {
 export function suitUnits(state, file, info, axes = ["x", "y"]) {
   for (const axis of axes) {
     const column = file.columns[state[axis]];
+    const clock = axis === "x" && column?.kind === "clock";
     const plain = info && plainBase(info[`${axis}_unit`]) === "dimensionless" && (!column?.unclear || unitless(info, axis));
-    state[`${axis}Unit`] = column?.unit ?? (plain ? "dimensionless" : "");
+    state[`${axis}Unit`] = column?.unit ?? (clock ? "day" : plain ? "dimensionless" : "");
   }
 }
 
@@ -51,18 +52,20 @@ export function doubts(file, state) {
   return {
     numbers: columns.find((column) => column.kind === "number" && column.doubt) ?? null,
     dates: file.columns[state.x]?.kind === "time" && file.columns[state.x].doubt ? file.columns[state.x] : null,
+    clock: file.columns[state.x]?.kind === "clock" ? file.columns[state.x] : null,
   };
 }
 
 /** What is to be said before anything can be taken: sentences. */
 export function open(file, state, info) {
-  const { numbers, dates } = doubts(file, state);
+  const { numbers, dates, clock } = doubts(file, state);
   const given = (axis) => (state[axis] === CELLS ? state[`${axis}Cells`] : state[axis] !== null);
   return [
     info ? null : "Choose the series that these readings belong to.",
     given("y") ? null : "Choose the column of y.",
     given("x") ? null : "Choose the column of x.",
     numbers && !state.decimal ? `“${numbers.doubt}” in ${numbers.name} can be one thousand or one: say how numbers are written.` : null,
+    clock && !state.dates ? `“${clock.first.find(Boolean)}” in ${clock.name} is a time: say how the time since the start is written, or choose the column of the dates.` : null,
     dates && !state.dates ? `“${dates.doubt}” in ${dates.name} can be read in two ways: say how dates are written.` : null,
     specimenColumn(file) !== null && state.specimen === null ? "Choose the specimen." : null,
   ].filter(Boolean);
@@ -88,6 +91,6 @@ export function section(file, state) {
     gross_error_column: column(of.gross_error_column), inputs: Object.keys(inputs).length ? inputs : undefined, where,
     x_dates: state.dates ?? undefined, x_time_column: column(of.x_time_column), x_origin: of.x_origin || undefined,
     decimal_sign: state.decimal ?? undefined, incomplete_rows: state.incomplete ? "leave_out" : undefined,
-    notes: of.notes ? [of.notes] : undefined,
+    blocks: state.blocks ?? undefined, notes: of.notes ? [of.notes] : undefined,
   };
 }

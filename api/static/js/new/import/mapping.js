@@ -7,14 +7,16 @@ import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
 import { CELLS, beginning, conflicts, doubts, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
 import { choice, firstRows, flag, words } from "./inputs.js";
+import { columnOfLoads, loadStages } from "./loads.js";
 import { likelySeries, readable } from "./matching.js";
-import { DATES, SIGNS, moreFields } from "./more.js";
+import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
 
 const PAUSE = 250; // ms without a change before the file is read again
 
 /**
  * The form that maps a file. `file`: what the service found in it; `content`: the file itself; `context`: {series(),
- * readings(name): how many there are already, openParameters()}; `act`: {sheet(name), take(observation), cancel()}.
+ * readings(name): how many there are already, openParameters(), staged(), stages(), forwardModel()}; `act`: {sheet(name),
+ * take(observation), stages(found), cancel()}.
  */
 export function mapping(file, content, context, act) {
   const state = beginning();
@@ -24,6 +26,10 @@ export function mapping(file, content, context, act) {
   const notes = element("p", { class: "help", role: "status" }), wrong = element("div", { class: "problems" }), order = element("div", {}), preview = element("div", {});
   const use = button("Use these readings", accept, { class: "", id: "take" });
   let points = null, refused = [], timer = null, running = null;
+  const loads = loadStages(file, content, state, context, {
+    stages: act.stages,
+    joined: (blocks) => { if (!state.blocks) { state.blocks = blocks; load(); } },
+  });
 
   const sign = () => (state.reverse ? -1 : 1);
   const quantity = (axis) => [info()?.[`${axis}_quantity`] ?? file.columns[state[axis]]?.label ?? axis, state[`${axis}Unit`]];
@@ -36,6 +42,7 @@ export function mapping(file, content, context, act) {
     points = null;
     refused = [];
     show();
+    loads.renew();
     if (!open(file, state, info()).length) timer = setTimeout(read, PAUSE);
   }
 
@@ -43,7 +50,7 @@ export function mapping(file, content, context, act) {
     const mine = new AbortController();
     running = mine;
     try {
-      const query = { name: file.name, observation: JSON.stringify(section(file, state)) };
+      const query = { name: file.name, observation: JSON.stringify(section(file, state)), forward_model: context.forwardModel() };
       points = await (await request("POST", "/measurements/points", { query, body: content, headers: { "Content-Type": "application/octet-stream" }, signal: mine.signal })).json();
       ["x", "y"].filter((axis) => state[axis] === CELLS).forEach(found);
     } catch (error) {
@@ -101,10 +108,11 @@ export function mapping(file, content, context, act) {
         (value) => { state.series = value; suit(state, file, info()); change(true); }, { help: about?.description, asked: true, wide: true }),
       element("div", { class: "fields wide-field" }, pick("y", (column) => column.kind === "number")),
       element("div", { class: "fields wide-field" }, pick("x", readable)));
-    const { numbers, dates } = doubts(file, state), specimens = specimenColumn(file);
+    const { numbers, dates, clock } = doubts(file, state), specimens = specimenColumn(file);
     exchange(asked,
       numbers ? choice("map-sign", "How are numbers written?", SIGNS, state.decimal, (value) => { state.decimal = value; change(true); }, { help: `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`, asked: true }) : null,
       dates ? choice("map-dates", "How are dates written?", DATES, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${dates.doubt}” can be read in two ways.`, asked: true }) : null,
+      clock ? choice("map-dates", "How are times written?", CLOCKS, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${clock.first.find(Boolean)}” can be a time since the start or a time of day.`, asked: true }) : null,
       specimens !== null
         ? choice("map-specimen", `Which ${file.columns[specimens].name}?`, [...Object.entries(file.columns[specimens].entries).map(([entry, rows]) => [entry, `${entry} (${count(rows)} rows)`]), ["", "all rows"]], state.specimen, (value) => { state.specimen = value; change(true); }, { asked: true })
         : null);
@@ -121,7 +129,7 @@ export function mapping(file, content, context, act) {
   function unit(axis) {
     const base = info()?.[`${axis}_unit`];
     const listed = unitsOf(base ?? file.columns[state[axis]]?.base ?? "");
-    const dates = axis === "x" && file.columns[state.x]?.kind === "time";
+    const dates = axis === "x" && ["time", "clock"].includes(file.columns[state.x]?.kind);
     const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; made.classList.toggle("asked", !value); show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
     if (dates) made.querySelector("input").readOnly = true;
     return made;
@@ -140,6 +148,7 @@ export function mapping(file, content, context, act) {
     if (!act.take(observation, file.name)) announce(`${count(x.length)} readings of ${observation.series} were taken from ${file.name}.`);
   }
 
+  state.more.load_column = columnOfLoads(file);
   const likely = likelySeries(file, known);
   state.series = likely.series ?? (known.length === 1 ? known[0].name : null);
   suit(state, file, info(), likely.y);
@@ -148,7 +157,7 @@ export function mapping(file, content, context, act) {
     known.length ? null : element("p", { class: "error", role: "alert" }, "Describe the forward model first; then a file can be assigned to one of its series."),
     file.columns.some((column) => column.kind === "number") ? null : element("p", { class: "error", role: "alert" }, `Sheet “${file.sheet}” has no column of numbers: choose another one.`),
     file.formulas.length ? element("p", { class: "error", role: "alert" }, `Formulas without a stored value, which cannot be read: ${file.formulas.join(", ")}. Let a spreadsheet program calculate and save the workbook.`) : null);
-  const made = element("fieldset", { class: "group mapping" }, element("legend", {}, file.name), top, table, fields, asked,
+  const made = element("fieldset", { class: "group mapping" }, element("legend", {}, file.name), top, table, loads.place, fields, asked,
     element("details", { class: "more" }, element("summary", {}, "More about these columns"), more),
     wrong, notes, order, preview,
     element("div", { class: "buttons" }, use, button("Cancel", () => { running?.abort(); plot.remove(); act.cancel(); })));

@@ -7,8 +7,8 @@ const key = (words) => words.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "_");
 const short = (name) => name.split(".").at(-1).replace(PREFIX, "");
 const heading = (column) => column.name.trim().replace(/\s+/g, " ").toLowerCase();
 
-/** Whether a column can be read as numbers or dates. */
-export const readable = (column) => column.kind === "number" || column.kind === "time";
+/** Whether a column can be read as numbers, dates or, once it is said how, times. */
+export const readable = (column) => column.kind !== "text";
 
 /** How a problem file calls a column: by its heading where no other has it, else by its letters. */
 export function reference(file, i) {
@@ -47,7 +47,7 @@ const meansX = (column, info) => column.quantities.some((one) => key(info.x_quan
 
 /** The column of x for a series, null where it is not plain. */
 export function columnOfX(file, info, y) {
-  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column, i }) => readable(column) && i !== y);
+  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column, i }) => readable(column) && column.kind !== "clock" && i !== y);
   const found = usable.find(({ column }) => meansX(column, info))
     ?? usable.find(({ column }) => column.base !== null && column.base === plainBase(info.x_unit) && column.base !== "dimensionless")
     ?? usable.find(({ column }) => key(column.label) === "x")

@@ -6,6 +6,7 @@ import { CELLS, doubts, specimenColumn } from "./choices.js";
 
 export const SIGNS = [["point", "1.5 and 1,000: a point before decimals"], ["comma", "1,5 and 1.000: a comma before decimals"]];
 export const DATES = [["day_first", "31/12/2024: the day first"], ["month_first", "12/31/2024: the month first"]];
+export const CLOCKS = [["hh:mm:ss", "00:01:30: hours, minutes, seconds since the start"], ["hh:mm", "00:15: hours and minutes since the start"], ["mm:ss", "00:15: minutes and seconds since the start"]];
 
 /** The fields below "More about these columns"; `change(redraw)` after each. `open` parameters: a formula may use inputs. */
 export function moreFields(file, state, change, open) {
@@ -19,9 +20,10 @@ export function moreFields(file, state, change, open) {
     column("y_minus", "Subtract from y", "The other gauge, or that of the frame: row by row."),
     column("weight_column", "Weights"),
     column("gross_error_column", "Gross errors", "A column with an entry in the row of each gross error."),
+    column("load_column", "Loads of the stages", "Constant over each stage: fills in the stages of the forward model."),
     column("x_time_column", "Time of day", "Where the column of x holds dates alone."),
     words("map-origin", "x = 0 is at", of.x_origin ?? "", set("x_origin"), { placeholder: "2024-03-01 08:30", help: "Where x holds dates; the first of them unless given." }),
-    asked.dates ? null : choice("map-dates", "Dates of x", [[null, "as they are"], ...DATES, ["serial", "numbers of days, as spreadsheets count"]], state.dates, (value) => { state.dates = value; change(true); }),
+    asked.dates || asked.clock ? null : choice("map-dates", "Dates of x", [[null, "as they are"], ...DATES, ["serial", "numbers of days, as spreadsheets count"], ...CLOCKS], state.dates, (value) => { state.dates = value; change(true); }),
     asked.numbers ? null : choice("map-sign", "Numbers", [[null, "as they are"], ...SIGNS], state.decimal, (value) => { state.decimal = value; change(false); }),
     specimenColumn(file) === null
       ? choice("map-where", "Only rows with", [[undefined, "all rows"], ...columns.filter(([i]) => Object.keys(file.columns[i].entries).length)], of.whereColumn, (value) => { of.whereEntry = undefined; set("whereColumn", true)(value); }, { help: "An empty cell means the entry above it." })

@@ -11,8 +11,8 @@ from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.problem.issues import number
+from geoswarm.solver.problem.readings.zero import ZeroReading, zero_reading
 from geoswarm.solver.problem.stages import AT_LOAD, at_load, stage_of
-from geoswarm.solver.problem.zero import ZeroReading, zero_reading
 from geoswarm.solver.section import Section
 
 __all__ = [

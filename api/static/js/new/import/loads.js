@@ -1,0 +1,61 @@
+// Load stages of the forward model from a column of loads beside the readings, by the service's reader.
+import { element, exchange } from "../../dom.js";
+import { count, number } from "../../format.js";
+import { request } from "../../http.js";
+import { button } from "../schema_form.js";
+import { unitsOf } from "../units.js";
+import { CELLS, section } from "./choices.js";
+import { words } from "./inputs.js";
+import { reference } from "./matching.js";
+
+const LOADS = ["axial_stress", "normal_stress", "effective_stress"];
+const SHOWN = 6; // stages that a sentence names
+
+/** The column that seems to hold loads, by its words or its unit; undefined: none. */
+export function columnOfLoads(file) {
+  const meant = file.columns.findIndex((column) => column.kind === "number" && column.quantities.some((one) => LOADS.includes(one)));
+  const found = meant >= 0 ? meant : file.columns.findIndex((column) => column.kind === "number" && column.base === "kPa");
+  return found >= 0 ? found : undefined;
+}
+
+/**
+ * The offer to fill in stages; `renew()` after each change of `state`. `act`: {stages(found): fills them in, joined(blocks):
+ * x begins anew in every stage of the forward model, so that the readings of each are a block}.
+ */
+export function loadStages(file, content, state, context, act) {
+  const place = element("div", {});
+  let unit = "", latest = 0;
+
+  async function renew() {
+    const mine = ++latest, of = file.columns[state.more.load_column];
+    const x = typeof state.x === "number" ? state.x : file.columns.findIndex((column) => column.quantities.includes("time") || column.base === "day");
+    if (!context.staged() || !of || state.x === CELLS || x < 0 || x === state.more.load_column) return exchange(place, null);
+    if (!of.unit && !unit) return exchange(place, field(of));
+    const { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows } = section(file, state);
+    const observation = { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows, x_column: reference(file, x), x_unit: file.columns[x].unit ? undefined : state.xUnit || undefined };
+    const query = { name: file.name, observation: JSON.stringify(observation), load_column: reference(file, state.more.load_column), load_unit: of.unit ? undefined : unit };
+    try {
+      const found = await (await request("POST", "/measurements/stages", { query, body: content, headers: { "Content-Type": "application/octet-stream" } })).json();
+      if (mine === latest) show(of, found);
+    } catch {
+      if (mine === latest) exchange(place, of.unit ? null : field(of)); // no loads of stages
+    }
+  }
+
+  function field(of) {
+    return element("div", { class: "fields" }, words("map-load-unit", `Unit of the loads, ${of.name}`, unit, (value) => { unit = value; renew(); }, { list: unitsOf("kPa"), asked: !unit, help: "For the stages of the forward model, which this column may give." }));
+  }
+
+  function show(of, found) {
+    const more = found.stages.length - SHOWN;
+    const named = found.stages.slice(0, SHOWN).map(({ stress, duration }) => `${number(stress)} kPa for ${number(duration)} day`);
+    const same = JSON.stringify(context.stages()) === JSON.stringify(found.stages.map(({ stress, duration }) => ({ stress, duration })));
+    exchange(place, element("p", { class: "help" }, `“${of.name}” has ${count(found.stages.length)} stages: ${named.join(", ")}${more > 0 ? `, and ${count(more)} more` : ""}${found.initial_stress ? `; before them ${number(found.initial_stress)} kPa` : ""}.`),
+      same ? element("p", { class: "help" }, "These are the stages of the forward model.")
+        : element("div", { class: "buttons" }, button(`Fill in these ${count(found.stages.length)} stages`, () => act.stages(found))));
+    const loads = found.stages.map(({ load }) => load);
+    if (same && found.elapsed && new Set(loads).size === loads.length) act.joined(loads.map((load, i) => ({ where: { [reference(file, state.more.load_column)]: load }, stage: i + 1 })));
+  }
+
+  return { place, renew };
+}

@@ -1,0 +1,45 @@
+"""Stages of a test from a column of loads in a file of readings, with one click."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from playwright.sync_api import expect
+
+from tests.dashboard.browser import check_accessibility
+from tests.dashboard.conftest import Opened, Site
+from tests.dashboard.test_new_import import drop, yaml
+from tests.solver.problem.test_load_stages import ANEW
+
+Visit = Callable[..., Opened]
+
+
+def test_a_column_of_loads_fills_in_the_stages_and_joins_their_readings(embedded: Site, visit: Visit) -> None:
+    """Before the forward model is complete; x begins anew in every stage of this file."""
+    page, _ = visit(embedded, "/new")
+    page.locator("input[name=kind][value=oedometer]").check()
+    mapping = drop(page, ANEW)
+    expect(mapping).to_contain_text("“Spannung [MPa]” has 2 stages: 12.5 kPa for 1 day, 25 kPa for 2 day.")
+    mapping.get_by_role("button", name="Fill in these 2 stages").click()
+    expect(page.locator('[data-path="forward_model.stages[1].stress"]')).to_have_value("25")
+    page.locator('[data-path="forward_model.height"]').fill("0.02")
+    page.locator('[data-path="forward_model.initial_stress"]').fill("5")
+    expect(page.locator("#parameters-body")).to_contain_text("lambda")
+    mapping = drop(page, ANEW)
+    expect(mapping).to_contain_text("These are the stages of the forward model.")
+    expect(mapping.get_by_role("status")).to_contain_text("2 blocks were joined, x of each from the start of its stage")
+    check_accessibility(page)
+    mapping.get_by_role("button", name="Add settlement", exact=True).click()
+    expect(yaml(page)).to_have_value(re.compile(r"x: \[0(\.0)?, 60(\.0)?, 1440(\.0)?, 1500(\.0)?, 4320(\.0)?\]"))
+
+
+def test_times_of_a_clock_are_asked_for(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(page, "Uhr;Setzung [mm]\n00:00;0\n00:30;0,1\n01:00;0,2\n")
+    mapping.get_by_label("Column of x", exact=True).select_option(label="Uhr")
+    expect(mapping).to_contain_text("“00:00” in Uhr is a time: say how the time since the start is written")
+    mapping.get_by_label("How are times written?").select_option(label="00:15: hours and minutes since the start")
+    expect(mapping.get_by_role("status")).to_have_text("3 readings.")
+    mapping.get_by_role("button", name=re.compile("settlement")).click()
+    expect(page.locator(".observation")).to_contain_text("3 readings")
