@@ -28,6 +28,7 @@ DOCUMENT: dict[str, Any] = {
 }
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_function_is_calibrated_as_its_problem_file_to_the_last_bit(tmp_path: Path) -> None:
     line = module(tmp_path).line
     one = gs.calibrate(line, **OPTIONS, output=tmp_path / "python")
