@@ -136,8 +136,8 @@ def zoo_models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture
 def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each figure is drawn, but rendered as an empty one: for tests that read tables, pages and names of files."""
-    rendered = {"svg": b'<svg width="1pt" height="1pt"></svg>', "png": b64decode(BLANK_PNG)}
-    monkeypatch.setattr("geoswarm.solver.report.figures.style._render", lambda _figure, form, **_options: rendered[form])
+    forms = {"svg": b'<svg width="1pt" height="1pt"></svg>', "png": b64decode(BLANK_PNG)}
+    monkeypatch.setattr("geoswarm.solver.report.figures.style._render", lambda _figure, form, **_options: forms[form])
 
 
 @pytest.fixture(scope="session")

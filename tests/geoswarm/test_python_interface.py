@@ -177,6 +177,7 @@ def test_nothing_found_is_told_where_it_is_asked_for() -> None:
             ask()
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_resume_goes_on_to_the_same_result(tmp_path: Path) -> None:
     whole = gs.calibrate(DOCUMENT)
 

@@ -88,7 +88,11 @@ class StepSearch:
     @cached_property
     def _plans(self) -> list[DifferenceDesign]:
         """That of each move on its own."""
-        return [join_moves(self._optimum, [move], self._space) for moves in self.generations for move in moves]
+        return [join_moves(self._optimum, [move], self._space) for move in self._moves]
+
+    @property
+    def _moves(self) -> Moves:
+        return [move for moves in self.generations for move in moves]
 
     def next(self, residuals: FloatArray) -> StepSearch | None:
         """Go on after the last generation; None when every derivative is good enough, or can be made no better.
@@ -136,7 +140,7 @@ class StepSearch:
         trials: list[list[_Trial]] = [[] for _ in range(self._space.dimension)]
         first = 1
         every = self.every
-        for (index, step), plan in zip((move for moves in self.generations for move in moves), self._plans, strict=True):
+        for (index, step), plan in zip(self._moves, self._plans, strict=True):
             count = len(plan.positions) - 1
             rows = np.arange(first, first + count)
             first += count
