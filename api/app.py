@@ -47,8 +47,9 @@ def _operation_id(route: APIRoute) -> str:
 
 ROUTES = APIRouter(generate_unique_id_function=_operation_id)
 """All routes, put together once a process: an application that includes them itself builds all their models again."""
-for _router in (health_router, metrics_router, api_router, pages_router):
-    ROUTES.include_router(_router)
+# Where no prefix is given, FastAPI looks at the paths, and builds the models of nested routers once more for that.
+for _router, _prefix in ((health_router, ""), (metrics_router, ""), (api_router, API_PREFIX), (pages_router, "")):
+    ROUTES.include_router(_router, prefix=_prefix)
 
 
 def create_app(

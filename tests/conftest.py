@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import signal
+from base64 import b64decode
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -79,6 +80,8 @@ LENGTHY = {
     "workers/test_worker.py",
 }
 
+BLANK_PNG = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGP4DwABAQEAsTj2FAAAAABJRU5ErkJggg=="
+
 from tests import servers  # noqa: E402
 from tests.servers import MissingServerError, PostgresServer, RedisServer  # noqa: E402
 
@@ -128,6 +131,13 @@ def zoo_models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
     return folder
+
+
+@pytest.fixture
+def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each figure is drawn, but rendered as an empty one: for tests that read tables, pages and names of files."""
+    forms = {"svg": b'<svg width="1pt" height="1pt"></svg>', "png": b64decode(BLANK_PNG)}
+    monkeypatch.setattr("geoswarm.solver.report.figures.style._render", lambda _figure, form, **_options: forms[form])
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from geoswarm.api.paths import API_PREFIX
 from geoswarm.api.routes import (
     administration,
     agents,
@@ -26,7 +25,7 @@ from geoswarm.api.routes.findings import fit, mesh, points, statistics, uncertai
 
 __all__ = ["api_router", "health_router", "metrics_router"]
 
-api_router = APIRouter(prefix=API_PREFIX)
+api_router = APIRouter()
 for module in (
     agents,  # first, as theirs are most of all requests, and routes are tried in turn
     jobs,

@@ -50,6 +50,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 @pytest.mark.parametrize(
     "example", variants(["oedometer", "isotropic_compression", "triaxial", "combined"], {"isotropic_compression"})
 )
+@pytest.mark.usefixtures("blank_figures")
 def test_all_outputs_show_the_same_result(
     example: str, service: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -46,6 +46,7 @@ def bent_readings(**more: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("weighting", [None, *WEIGHTINGS, BY_SPREAD])
+@pytest.mark.usefixtures("blank_figures")
 def test_every_output_has_the_residuals_of_the_result(weighting: str | None, tmp_path: Path) -> None:
     scheme = {} if weighting in (None, BY_SPREAD) else {"weighting": weighting}
     problem = parse_problem(bent_readings(**scheme))

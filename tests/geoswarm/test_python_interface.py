@@ -28,6 +28,7 @@ DOCUMENT: dict[str, Any] = {
 }
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_function_is_calibrated_as_its_problem_file_to_the_last_bit(tmp_path: Path) -> None:
     line = module(tmp_path).line
     one = gs.calibrate(line, **OPTIONS, output=tmp_path / "python")
@@ -176,6 +177,7 @@ def test_nothing_found_is_told_where_it_is_asked_for() -> None:
             ask()
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_resume_goes_on_to_the_same_result(tmp_path: Path) -> None:
     whole = gs.calibrate(DOCUMENT)
 

@@ -69,6 +69,7 @@ def test_a_threshold_that_is_no_limit_is_refused(result: gs.Result, threshold: f
         result.statistics(threshold=threshold)
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_report_that_cannot_be_written_says_where_and_can_be_written_again(
     result: gs.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -99,12 +100,14 @@ def test_a_folder_with_a_run_that_was_cut_off_is_left_to_it(result: gs.Result, t
     assert (tmp_path / "run.journal").read_bytes() == left
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_writing_a_result_runs_nothing(result: gs.Result, line: Counted, tmp_path: Path) -> None:
     before = line.runs
     result.report(tmp_path)
     assert line.runs == before > 0
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_the_result_of_a_search_is_written_before_its_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(record: Any) -> None:
         if record.search_evaluations not in (None, record.evaluations):

@@ -100,8 +100,8 @@ def test_a_small_job_beside_many_of_a_neighbour_gets_half_of_a_worker(
     service: JobService, make_worker: MakeWorker
 ) -> None:
     submit(service, ALICE, 30, priority=10, stopping={"max_evaluations": 6000})
-    problem = line(stopping={"max_evaluations": 120})
-    (small,) = submit(service, BOB, stopping={"max_evaluations": 120})
+    problem = line(stopping={"max_evaluations": 60})
+    (small,) = submit(service, BOB, stopping={"max_evaluations": 60})
     worker = make_worker(slice_seconds=0.02, local_batch_seconds=0.0, cheap_seconds=0.0, single_seconds=1e-9)
     worker.start()
     for_bob = for_alice = 0

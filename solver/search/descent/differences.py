@@ -110,6 +110,8 @@ def _places(space: SearchSpace, optimum: FloatArray, index: int, step: float) ->
                 points.append(point)
         if len(points) > len(best[0]):
             best = offsets, points
+        if len(points) == len(pattern):  # no other side has more
+            break
     return best
 
 

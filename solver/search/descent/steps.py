@@ -9,6 +9,7 @@ residuals are read again from the runs.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -73,10 +74,25 @@ class StepSearch:
         planned = join_moves(self._optimum, self.generations[-1], self._space).positions
         return planned if len(self.generations) == 1 else planned[1:]
 
-    @property
+    @cached_property
     def every(self) -> DifferenceDesign:
         """The plan of all generations together."""
-        return join_moves(self._optimum, [move for moves in self.generations for move in moves], self._space)
+        optimum, plans = self._optimum, self._plans
+        return DifferenceDesign(
+            optimum,
+            np.concatenate([optimum[None, :], *(plan.positions[1:] for plan in plans)]),
+            np.concatenate([[-1], *(plan.parameter[1:] for plan in plans)]),
+            np.concatenate([[0.0], *(plan.offset[1:] for plan in plans)]),
+        )
+
+    @cached_property
+    def _plans(self) -> list[DifferenceDesign]:
+        """That of each move on its own."""
+        return [join_moves(self._optimum, [move], self._space) for move in self._moves]
+
+    @property
+    def _moves(self) -> Moves:
+        return [move for moves in self.generations for move in moves]
 
     def next(self, residuals: FloatArray) -> StepSearch | None:
         """Go on after the last generation; None when every derivative is good enough, or can be made no better.
@@ -123,14 +139,15 @@ class StepSearch:
         good = np.atleast_1d(np.isfinite(residuals).all(axis=1))
         trials: list[list[_Trial]] = [[] for _ in range(self._space.dimension)]
         first = 1
-        for index, step in (move for moves in self.generations for move in moves):
-            count = len(join_moves(self._optimum, [(index, step)], self._space).positions) - 1
+        every = self.every
+        for (index, step), plan in zip(self._moves, self._plans, strict=True):
+            count = len(plan.positions) - 1
             rows = np.arange(first, first + count)
             first += count
             used = rows[good[rows]] if good[0] else rows[:0]
             if len(used) < 2:
                 continue
-            offsets = np.array([0.0, *self.every.offset[used]])
+            offsets = np.array([0.0, *every.offset[used]])
             column, error = derivative(offsets, residuals[[0, *used]])
             trials[index].append(_Trial(step, rows, column, float(np.linalg.norm(error))))
         return [_cautious(tried) for tried in trials]

@@ -33,6 +33,7 @@ def verdicts(folder: Path, capsys: pytest.CaptureFixture[str]) -> list[tuple[str
     return [(v["kind"], v["sentence"]) for v in json.loads(capsys.readouterr().out)["verdicts"]]
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_run_statistics_and_report_agree_and_only_the_search_runs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -33,6 +33,7 @@ def told(capsys: pytest.CaptureFixture[str]) -> dict[str, object]:
     return found
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_folder_keeps_what_was_evaluated(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sensitivity", str(folder)]) == 0
     shown = capsys.readouterr()

@@ -40,6 +40,7 @@ def new(*more: str) -> int:
     return main(["model", "new", *given, "--mark", "E=20000", "--mark", "k=0.3", *more])
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_a_program_is_calibrated_from_an_example_of_its_input(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert new() == 0
     assert (folder / "input.txt.in").read_text() == "# settlement\nE {{E}}\nk {{k}}\nsteps 20\n"

@@ -228,6 +228,7 @@ def test_a_warm_start_takes_the_runs_of_a_folder(tmp_path: Path, capsys: pytest.
     assert "lacks result.json" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_the_total_time_is_that_of_the_clock(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

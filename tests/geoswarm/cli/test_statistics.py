@@ -89,6 +89,7 @@ def test_a_folder_without_a_run_is_refused(tmp_path: Path, capsys: pytest.Captur
     assert "lacks problem.json" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_report_writes_what_is_asked_for(folder: Path, tmp_path: Path) -> None:
     assert main(["report", str(folder), "--html", "--output", str(tmp_path / "one")]) == 0
     assert [p.name for p in (tmp_path / "one").iterdir()] == ["report.html"]

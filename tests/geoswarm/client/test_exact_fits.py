@@ -14,6 +14,7 @@ from tests.integration.engines import PATIENCE
 
 
 @pytest.mark.parametrize(("readings", "kind"), [(3, "undecided"), (12, "identified")])
+@pytest.mark.usefixtures("blank_figures")
 def test_the_verdict_of_an_exact_line_is_the_same_everywhere(
     client: gs.Client, tmp_path: Path, capsys: pytest.CaptureFixture[str], readings: int, kind: str
 ) -> None:

@@ -105,3 +105,13 @@ def test_steps_go_on_from_their_state_and_the_follow_up_reads_them() -> None:
 def test_whole_numbers_are_moved_by_whole_numbers() -> None:
     space = SearchSpace(("n",), np.array([1.0]), np.array([400.0]), np.array([False]), lambda _: True, np.array([True]))
     assert StepSearch(space, np.array([7.0])).positions[:, 0].tolist() == [7.0, 5.0, 6.0, 8.0, 9.0]
+
+
+def test_constraints_are_asked_once_for_each_place() -> None:
+    asked: list[np.ndarray] = []
+    ends = np.zeros(2), np.ones(2)
+    space = SearchSpace(("a", "b"), *ends, np.zeros(2, dtype=bool), lambda at: asked.append(at) is None)
+    steps = StepSearch(space, np.array([0.5, 0.5]), [[(0, step), (1, step)] for step in np.geomspace(1e-2, 1e-5, 8)])
+    rows = np.exp(steps.every.positions @ np.ones((2, 5)))
+    steps.chosen(rows)
+    assert len(asked) == len(steps.every.positions) - 1
