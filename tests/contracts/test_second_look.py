@@ -84,7 +84,8 @@ def test_what_fails_again_is_red(tmp_path: Path, tests: list[str], green: bool, 
     (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers =\n  timing: clock\n  slow: long\n")
     for number, text in enumerate(tests):
         (tmp_path / f"test_{number}.py").write_text(text)
-    command = [sys.executable, str(ROOT / "scripts" / "run_tests.py"), "--jobs", "1", "--folder", "."]
+    jobs = "1" if TIMED in tests or TIMED_BROKEN in tests else "0"  # a process for the tests takes as long as the rest
+    command = [sys.executable, str(ROOT / "scripts" / "run_tests.py"), "--jobs", jobs, "--folder", "."]
     outer = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_XDIST")}
     only = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "-p xdist.plugin"}  # others take seconds to load
     ran = subprocess.run(command, cwd=tmp_path, env=outer | only, capture_output=True, text=True, check=False)

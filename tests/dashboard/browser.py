@@ -11,12 +11,31 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, Request, Response, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    BrowserContext,
+    ConsoleMessage,
+    Error,
+    Page,
+    Request,
+    Response,
+    ViewportSize,
+    WebError,
+    sync_playwright,
+)
 
-__all__ = ["Guard", "check_accessibility", "chromium", "guarded_context"]
+__all__ = ["Guard", "KeptPages", "check_accessibility", "chromium", "guarded_context"]
 
 ARGUMENTS = ["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--force-color-profile=srgb"]
 WAITED_OUT = "net::ERR_ABORTED"  # a stream or request that ended because the page went elsewhere
+
+DESK: ViewportSize = {"width": 1440, "height": 900}
+
+SERIOUS = """([place, options]) => axe.run(place, options).then(({ violations }) => violations
+    .filter(({ id, impact }) => ["serious", "critical"].includes(impact) || id === "landmark-unique")
+    .map(({ id, help, nodes }) => [id, help, ...nodes.slice(0, 3).map(({ html }) => html.slice(0, 160))]))"""
+
+BLANK = "<!doctype html><link rel='icon' href='data:,'>"  # else the browser asks for favicon.ico
 
 DRIVER = "GL Driver Message"  # Chromium without a graphics card says how slow it is
 
@@ -36,12 +55,27 @@ class Guard:
         left = [fault for fault in self.faults if not any(re.search(pattern, fault) for pattern in self.allowed)]
         assert left == [], left
 
-    def watch(self, context: BrowserContext) -> None:
-        context.on("console", self._console)
-        context.on("weberror", lambda error: self.faults.append(f"error: {error.error}"))
-        context.on("request", self._request)
-        context.on("requestfailed", self._failed)
-        context.on("response", self._response)
+    @contextmanager
+    def watching(self, context: BrowserContext) -> Iterator[None]:
+        """Collect what goes wrong in a context, and complain at the end."""
+        listeners: dict[Any, Any] = {
+            "console": self._console,
+            "weberror": self._error,
+            "request": self._request,
+            "requestfailed": self._failed,
+            "response": self._response,
+        }
+        for event, listener in listeners.items():
+            context.on(event, listener)
+        try:
+            yield
+        finally:
+            for event, listener in listeners.items():
+                context.remove_listener(event, listener)
+        self.check()
+
+    def _error(self, error: WebError) -> None:
+        self.faults.append(f"error: {error.error}")
 
     def _console(self, message: ConsoleMessage) -> None:
         if message.type in ("error", "warning") and DRIVER not in message.text:
@@ -77,16 +111,63 @@ def chromium() -> Iterator[Browser]:
 @contextmanager
 def guarded_context(browser: Browser, origin: str, **options: Any) -> Iterator[tuple[BrowserContext, Guard]]:
     """A browser profile of its own on one server; at the end nothing may have gone wrong in it."""
-    defaults: dict[str, Any] = {"viewport": {"width": 1440, "height": 900}, "reduced_motion": "reduce"}
+    context = _new_context(browser, origin, **options)
+    guard = Guard(origin)
+    with guard.watching(context):
+        try:
+            yield context, guard
+        finally:
+            context.close()
+
+
+def _new_context(browser: Browser, origin: str, **options: Any) -> BrowserContext:
+    defaults: dict[str, Any] = {"viewport": DESK, "reduced_motion": "reduce"}
     context = browser.new_context(base_url=origin, **(defaults | options))
     context.set_default_timeout(120_000)
-    guard = Guard(origin)
-    guard.watch(context)
-    try:
-        yield context, guard
-    finally:
-        context.close()
-    guard.check()
+    return context
+
+
+class KeptPages:
+    """One page for each server, which a test leaves as it found it: its process has read Plotly and axe already.
+
+    A page in a new profile starts a process that reads these megabytes again, which takes most of a test's time.
+    """
+
+    def __init__(self, browser: Browser) -> None:
+        self._browser = browser
+        self._pages: dict[str, Page] = {}
+
+    @contextmanager
+    def page(
+        self, origin: str, viewport: ViewportSize = DESK, color_scheme: Any = "light"
+    ) -> Iterator[tuple[Page, Guard]]:
+        """The page of a server, without cookies and stored values; at the end nothing may have gone wrong in it."""
+        page = self._pages.pop(origin, None) or _new_context(self._browser, origin).new_page()
+        page.set_viewport_size(viewport)
+        page.emulate_media(media="null", color_scheme=color_scheme, reduced_motion="reduce")
+        guard = Guard(origin)
+        try:
+            with guard.watching(page.context):
+                yield page, guard
+        finally:
+            if self._cleared(page, f"{origin}/blank"):
+                self._pages[origin] = page
+            else:
+                page.context.close()
+
+    def _cleared(self, page: Page, blank: str) -> bool:
+        """Whether the page could be left, at an empty page of its server, without a trace of the test."""
+        try:
+            page.unroute_all()
+            page.route(blank, lambda route: route.fulfill(content_type="text/html", body=BLANK))
+            page.goto(blank)
+            page.evaluate("localStorage.clear(); sessionStorage.clear()")
+            page.mouse.move(0, 0)
+            page.context.clear_cookies()
+            page.unroute_all()
+        except Error:
+            return False
+        return len(page.context.pages) == 1
 
 
 def check_accessibility(page: Page, place: str = "html") -> None:
@@ -102,10 +183,6 @@ def check_accessibility(page: Page, place: str = "html") -> None:
         "preload": False,
         "rules": {"label-content-name-mismatch": {"enabled": True}},
     }
-    found = Axe().run(page, place, options).response["violations"]
-    serious = [
-        f"{violation['id']}: {violation['help']}: {[node['html'][:160] for node in violation['nodes'][:3]]}"
-        for violation in found
-        if violation["impact"] in ("serious", "critical") or violation["id"] == "landmark-unique"
-    ]
+    page.evaluate(Axe().axe_script)
+    serious = page.evaluate(SERIOUS, [place, options])
     assert serious == [], serious

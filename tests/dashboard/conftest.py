@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
@@ -20,7 +21,7 @@ from geoswarm.workers.hosts.engine import open_engine
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from tests.api.conftest import LiveServer
-from tests.dashboard.browser import Guard, chromium, guarded_context
+from tests.dashboard.browser import Guard, KeptPages, chromium, guarded_context
 from tests.integration.engines import celery_workers
 from tests.servers import PostgresServer, RedisServer
 
@@ -101,17 +102,32 @@ def full(postgres_server: PostgresServer, redis_server: RedisServer) -> Iterator
 Opened = tuple[Page, Guard]
 
 
-@pytest.fixture
-def visit(browser: Browser) -> Iterator[Callable[..., Opened]]:
-    """``page, guard = visit(site, "/", key=None, **context_options)``: a page in a profile of its own."""
-    with ExitStack() as contexts:
+@pytest.fixture(scope="package")
+def kept_pages(browser: Browser) -> KeptPages:
+    return KeptPages(browser)
 
-        def opened(site: Site, path: str = "/", key: str | None = None, **options: object) -> Opened:
-            context, guard = contexts.enter_context(guarded_context(browser, site.url, **options))
+
+@pytest.fixture
+def visit(browser: Browser, kept_pages: KeptPages) -> Iterator[Callable[..., Opened]]:
+    """``page, guard = visit(site, "/", key=None, **options)``: a page without cookies and stored values.
+
+    The first one of a test is kept for others, unless the options say more than its size and colours. What a test adds
+    to the context of such a page (a clock, scripts, listeners) would stay: ``own=True`` asks for a new profile.
+    """
+    with ExitStack() as left:
+        alone = True
+
+        def opened(site: Site, path: str = "/", key: str | None = None, own: bool = False, **options: Any) -> Opened:
+            nonlocal alone
+            if alone and not own and options.keys() <= {"viewport", "color_scheme"}:
+                page, guard = left.enter_context(kept_pages.page(site.url, **options))
+            else:
+                context, guard = left.enter_context(guarded_context(browser, site.url, **options))
+                page = context.new_page()
+            alone = False
             if key is not None:
-                answer = context.request.post("/api/v1/session", data={"key": key})
+                answer = page.context.request.post("/api/v1/session", data={"key": key})
                 assert answer.status == 201, answer.text()
-            page = context.new_page()
             page.goto(path)
             return page, guard
 

@@ -56,7 +56,7 @@ def test_an_own_file_replaces_the_readings_of_its_series(embedded: Site, visit: 
     expect(mapping.get_by_role("status")).to_have_text("3 readings.")
     expect(mapping.get_by_role("cell", name="0,25")).to_be_visible()  # as it stands in the file
     expect(mapping.get_by_role("figure")).to_have_attribute("aria-label", re.compile("^settlement.* 3 readings"))
-    check_accessibility(page)
+    check_accessibility(page, ".mapping")
     mapping.get_by_role("button", name="Replace settlement (226 readings)", exact=True).click()
     expect(page.locator(".observation")).to_have_count(1)
     expect(page.locator(".observation")).to_contain_text("3 readings")
@@ -154,7 +154,8 @@ def test_readings_larger_than_the_specimen_are_stopped_before_the_start(embedded
     expect(told).to_be_visible()
     page.get_by_role("button", name="Start the job", exact=True).click()
     expect(page.get_by_role("alert").filter(has_text="One thing is missing or wrong")).to_be_visible()
-    check_accessibility(page)
+    for place in (".observation", "#check-body"):
+        check_accessibility(page, place)
     check_layout(page)
     meant = page.get_by_label("The readings of settlement are meant as they are")
     meant.check()

@@ -37,7 +37,7 @@ def test_numbers_and_ages_are_told_as_one_says_them(embedded: Site, visit: Visit
 
 
 def test_ages_grow_while_a_page_is_open(embedded: Site, visit: Visit, job: str) -> None:
-    page, _ = visit(embedded, "/")
+    page, _ = visit(embedded, "/", own=True)
     page.clock.install()
     page.goto(f"/jobs/{job}")
     page.clock.run_for(3_600_000)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -12,7 +11,7 @@ from playwright.sync_api import Page, expect
 
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.service.job_service import JobService
-from tests.api.conftest import line_problem
+from tests.api.conftest import line_problem, wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 
@@ -50,11 +49,7 @@ def two_lines(**changes: Any) -> dict[str, Any]:
 
 def ended(service: JobService, document: dict[str, Any]) -> str:
     view, _ = service.submit(parse_problem(document))
-    deadline = time.monotonic() + 60
-    while service.get(view.id).state not in ("finished", "failed"):
-        assert time.monotonic() < deadline, "the job does not end"
-        time.sleep(0.05)
-    return view.id
+    return wait_for_end(service, view.id).id
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,11 @@ def test_only_the_newest_threshold_is_judged_and_what_is_old_is_dimmed(page: Pag
     held: list[Route] = []
     broken_off: list[Request] = []
     page.route(re.compile(r"/statistics\?threshold="), lambda route: held.append(route))
-    page.on("requestfailed", lambda request: broken_off.append(request))
+
+    def note(request: Request) -> None:
+        broken_off.append(request)
+
+    page.on("requestfailed", note)
     judged = page.locator("#judged")
     for number, value in enumerate((300, 500, 700), 1):
         with page.expect_request(re.compile(r"/statistics\?threshold=")):
@@ -28,6 +32,7 @@ def test_only_the_newest_threshold_is_judged_and_what_is_old_is_dimmed(page: Pag
         expect(page.locator("#judging")).to_contain_text("What is dimmed belongs to")
         assert len(held) == number
     assert len(broken_off) == 2
+    page.remove_listener("requestfailed", note)
     held[-1].continue_()
     expect(judged).not_to_have_attribute("aria-busy", "true")
     expect(page.locator("#judging")).to_be_empty()

@@ -61,7 +61,7 @@ def test_compiling_is_told(embedded: Site, visit: Visit, job: str) -> None:
 
 @pytest.mark.slow
 def test_tabs_share_one_stream_and_hand_it_on(embedded: Site, visit: Visit, job: str) -> None:
-    first, _ = visit(embedded, "/")
+    first, _ = visit(embedded, "/", own=True)
     opened = streams(first.context)
     first.goto(f"/jobs/{job}/search")
     goes_on(first)
