@@ -18,6 +18,12 @@ export function columnOfLoads(file) {
   return found >= 0 ? found : undefined;
 }
 
+/** Whether each value stands in several rows one below the other. */
+function inStages({ values }) {
+  const given = values.filter((value) => value !== null);
+  return given.filter((value, i) => i === 0 || value !== given[i - 1]).length * 2 <= given.length;
+}
+
 /**
  * The offer to fill in stages; `renew()` after each change of `state`. `act`: {stages(found): fills them in, joined(blocks):
  * x begins anew in every stage of the forward model, so that the readings of each are a block}.
@@ -30,6 +36,7 @@ export function loadStages(file, content, state, context, act) {
     const mine = ++latest, of = file.columns[state.more.load_column];
     const x = typeof state.x === "number" ? state.x : file.columns.findIndex((column) => column.quantities.includes("time") || column.base === "day");
     if (!context.staged() || !of || state.x === CELLS || x < 0 || x === state.more.load_column) return exchange(place, null);
+    if (!inStages(of) || open(x).length) return exchange(place, null); // nothing is asked that would be refused
     if (!of.unit && !unit) return exchange(place, field(of));
     const { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows } = section(file, state);
     const observation = { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows, x_column: reference(file, x), x_unit: file.columns[x].unit ? undefined : state.xUnit || undefined };
@@ -40,6 +47,13 @@ export function loadStages(file, content, state, context, act) {
     } catch {
       if (mine === latest) exchange(place, of.unit ? null : field(of)); // no loads of stages
     }
+  }
+
+  /** What is to be said about the columns before the service can read them. */
+  function open(x) {
+    const time = file.columns[x], of = file.columns[state.more.load_column];
+    return [time.kind !== "number" && (time.kind === "clock" || time.doubt) && !state.dates, (of.doubt || (time.kind === "number" && time.doubt)) && !state.decimal,
+      time.kind === "number" && !time.unit && !state.xUnit, of.unclear, time.bad || of.bad].filter(Boolean);
   }
 
   function field(of) {
