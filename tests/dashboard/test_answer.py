@@ -96,7 +96,7 @@ def test_a_follow_up_leads_to_its_parent_and_draws_no_convergence(embedded: Site
     expect(page.locator("#answer")).to_contain_text("page of the job that it follows")
     page.get_by_role("link", name="Search").click()
     expect(page.locator("#convergence")).to_have_count(0)
-    expect(page.get_by_text("there is no search that could converge")).to_be_visible()
+    expect(page.get_by_text("there is no search to show")).to_be_visible()
     page.get_by_role("link", name="a line", exact=True).click()
     expect(page.locator("h1")).to_contain_text("a line")
     assert page.url.endswith(f"/jobs/{line}")
