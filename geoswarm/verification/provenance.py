@@ -38,7 +38,7 @@ class Provenance:
 
 
 def provenance(*, machine: str | None = None) -> Provenance:
-    """Return that of this process; ``machine`` in place of the name and processor of this one."""
+    """Return that of this process; ``machine`` instead of the name and processor of this one."""
     found = dict(versions())
     system = found.pop("machine")
     for name in ("matplotlib", "SALib"):

@@ -58,7 +58,7 @@ def _line(x: FloatArray, random: np.random.Generator) -> FloatArray:
     given="y = 1 + 0.5 x, x from 0 to 4, noise stated as white",
     source=DRAPER,
     reference="normal equations; (XᵀX)⁻¹ s², s² = SSR/(n − 2); estimate ± t(0.975, n − 2) standard errors",
-    allowed="differences in place of derivatives, and the end of the descent",
+    allowed="differences instead of derivatives, and the end of the descent",
 )
 def line() -> Answer:
     """Parameters, errors, intervals."""
@@ -94,7 +94,7 @@ def line() -> Answer:
     given="y = 1 + 0.5 x, x from 0 to 4, noise 0.05, stated as white",
     source="Student (1908)",
     reference="t(0.975, n − 2)",
-    allowed="differences in place of derivatives",
+    allowed="differences instead of derivatives",
 )
 def student() -> Answer:
     """Ratio over number of readings."""
@@ -161,7 +161,7 @@ def coverage() -> Answer:
     given="data, models and certified values of the archive; bounds around them",
     source="National Institute of Standards and Technology, Statistical Reference Datasets, nonlinear regression",
     reference="certified values of eleven digits",
-    allowed="the end of the descent (six digits) and differences in place of derivatives (1 % of standard deviations)",
+    allowed="the end of the descent (six digits) and differences instead of derivatives (1 % of standard deviations)",
 )
 def nist() -> Answer:
     """Standard deviations against the certified ones."""
