@@ -17,9 +17,15 @@ Visit = Callable[..., Opened]
 
 def test_a_column_of_loads_fills_in_the_stages_and_joins_their_readings(embedded: Site, visit: Visit) -> None:
     """Before the forward model is complete; x begins anew in every stage of this file."""
-    page, _ = visit(embedded, "/new")
+    page, guard = visit(embedded, "/new")
+    guard.allow("422")  # the refusal of a wrong column
     page.locator("input[name=kind][value=oedometer]").check()
     mapping = drop(page, ANEW)
+    mapping.get_by_text("More about these columns").click()
+    loads = mapping.get_by_label("Loads of the stages")
+    loads.select_option(label="Setzung [mm]")
+    expect(mapping).to_contain_text("“Setzung [mm]” gives no stages: ")
+    loads.select_option(label="Spannung [MPa]")
     expect(mapping).to_contain_text("“Spannung [MPa]” has 2 stages: 12.5 kPa for 1 day, 25 kPa for 2 day.")
     mapping.get_by_role("button", name="Fill in these 2 stages").click()
     expect(page.locator('[data-path="forward_model.stages[1].stress"]')).to_have_value("25")

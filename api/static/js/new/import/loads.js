@@ -36,7 +36,8 @@ export function loadStages(file, content, state, context, act) {
     const mine = ++latest, of = file.columns[state.more.load_column];
     const x = typeof state.x === "number" ? state.x : file.columns.findIndex((column) => column.quantities.includes("time") || column.base === "day");
     if (!context.staged() || !of || state.x === CELLS || x < 0 || x === state.more.load_column) return exchange(place, null);
-    if (!inStages(of) || open(x).length) return exchange(place, null); // nothing is asked that would be refused
+    const chosen = state.more.load_column !== columnOfLoads(file); // by the user, to whom a refusal is explained
+    if (open(x).length || (!chosen && !inStages(of))) return exchange(place, null); // nothing is asked that would be refused
     if (!of.unit && !unit) return exchange(place, field(of));
     const { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows } = section(file, state);
     const observation = { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows, x_column: reference(file, x), x_unit: file.columns[x].unit ? undefined : state.xUnit || undefined };
@@ -44,8 +45,8 @@ export function loadStages(file, content, state, context, act) {
     try {
       const found = await (await request("POST", "/measurements/stages", { query, body: content, headers: { "Content-Type": "application/octet-stream" } })).json();
       if (mine === latest) show(of, found);
-    } catch {
-      if (mine === latest) exchange(place, of.unit ? null : field(of)); // no loads of stages
+    } catch (error) {
+      if (mine === latest) exchange(place, of.unit ? null : field(of), element("p", { class: "help" }, `“${of.name}” gives no stages: ${error.message}`));
     }
   }
 
