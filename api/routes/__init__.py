@@ -1,4 +1,24 @@
-"""The routes of /api/v1, /health and /metrics, one module a resource; ``findings`` has what a job tells."""
+"""The routes of /api/v1, /health and /metrics, one module a resource; ``findings`` has what a job tells.
+
+==================  ===============================================================================================
+``administration``  for administrators: API keys, and how the installation is doing
+``agents``          agents: workers that reach the service by HTTP and nothing else
+``ags``             files in the AGS 4 format: what they hold, and the problem that some of it makes
+``events``          live events of a job as server-sent events
+``examples``        the examples that come with the program
+``findings``        what the evaluations of a job tell: fit, points, statistics, uncertainty, fields
+``forward_models``  installed forward models: their section of the problem file, parameters and series with units
+``health``          health, for supervisors and load balancers; needs no API key
+``hooks``           hooks: whom to tell when a job has ended
+``jobs``            jobs: submit, list, show, cancel, pause, resume, delete
+``measurements``    files of measurements, before they are part of a problem
+``metrics``         metrics in the text format of Prometheus
+``problems``        problems before they become jobs
+``results``         what a job has found: generations, the best evaluation, all evaluations as JSON, CSV or Parquet
+``session``         signing in: a browser gives its API key once and is known by a cookie afterwards
+``workers``         who runs forward calculations
+==================  ===============================================================================================
+"""
 
 from __future__ import annotations
 

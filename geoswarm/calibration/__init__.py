@@ -1,6 +1,6 @@
 """Calibrations from Python: ``docs/python.md``. Everything here is imported from ``geoswarm``.
 
-=============  ===============================================================
+=============  ================================================================================================
 ``sections``   sections of a problem: parameter, series, observation
 ``functions``  how a function reaches the processes that call it
 ``problems``   from a function or a problem, and options, to a checked problem
@@ -10,7 +10,8 @@
 ``result``     what a calibration has found
 ``runs``       its history as columns
 ``plot``       measured and calculated series
-=============  ===============================================================
+``outlook``    what comes next, from a calibration in this process: predictions, and the worth of further tests
+=============  ================================================================================================
 """
 
 from __future__ import annotations

@@ -1,15 +1,17 @@
 """The command line ``geoswarm``.
 
-==============  =========================================================================
-``commands``    the table of commands; each is imported only when it is called
-``start``       commands to begin with: starters, examples, the demonstration
-``local``       commands that calculate here
-``model``       commands for programs as forward models
-``service``     commands for the jobs of a service
-``words``       tables, notes and errors: every error is one clear message and an exit code
-``options``     options and arguments that several commands share
-``databases``   the database of a service, where a command needs one
-==============  =========================================================================
+=============  ===========================================================================
+``commands``   the table of commands; each is imported only when it is called
+``start``      commands to begin with: starters, examples, the demonstration
+``local``      commands that calculate here
+``model``      commands for programs as forward models
+``service``    commands for the jobs of a service
+``words``      tables, notes and errors: every error is one clear message and an exit code
+``options``    options and arguments that several commands share
+``databases``  the database of a service, where a command needs one
+``serve``      ``geoswarm serve``, ``worker`` and ``sweep``: the processes of a service
+``version``    the version of this installation
+=============  ===========================================================================
 
 Exit codes: 0 ok, 1 a run failed, 2 bad input (also: a service, database or broker that cannot be reached, a port in
 use), 130 interrupted.

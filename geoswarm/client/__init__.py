@@ -1,15 +1,19 @@
 """The Python client of a geoswarm service: :class:`Client` and :class:`AsyncClient` with the same methods.
 
-==============  =====================================================================
-``_async``      :class:`AsyncClient`, the source
-``_sync``       :class:`Client`, generated from it by ``scripts/generate_client.py``
-``calls``       how requests are put together and answers are read, without any input or output
-``models``      frozen records that only the client has; those with arrays in ``points``, ``bodies``,
-                those for administrators in ``administration``; all others in :mod:`geoswarm.records`
-``errors``      the tree of errors
-``follow``      when to reconnect to an event stream, when to give up
-``sse``         reads an event stream
-==============  =====================================================================
+==================  ===============================================================================================
+``_async``          :class:`AsyncClient`, the source
+``_sync``           :class:`Client`, generated from it by ``scripts/generate_client.py``
+``calls``           how requests are put together and answers are read, without any input or output
+``models``          frozen records that only the client has; those with arrays in ``points``, ``bodies``, those for
+                    administrators in ``administration``; all others in :mod:`geoswarm.records`
+``errors``          the tree of errors
+``follow``          when to reconnect to an event stream, when to give up
+``sse``             reads an event stream
+``administration``  records of operations, for administrators, and of who one is
+``bodies``          records of bodies: the mesh of an evaluation, what was measured on it, and how it moves
+``files``           files that appear only when they are complete
+``points``          evaluations of a job as arrays, from the block of float32 that plots use
+==================  ===============================================================================================
 """
 
 from __future__ import annotations

@@ -27,11 +27,25 @@ circumference in axisymmetry (x radius, y height). Units kN, m, day. A calculati
 
 It raises :class:`geoswarm.solver.errors.DivergedError` with the phase, how far it came and why, when it cannot go on.
 
-====================  =========================================================================
-``mesh``              meshes: structured sections, meshes of other programs, output
-``materials``         materials as phases assign them
-``phases``            what happens, phase by phase
-``solve``             the calculation
-``results``           what comes out
-====================  =========================================================================
+================  ======================================================================================================
+``mesh``          meshes: structured sections, meshes of other programs, output
+``materials``     materials as phases assign them
+``phases``        what happens, phase by phase
+``solve``         the calculation
+``results``       what comes out
+``body``          what the kernels know of a body in one phase, and its state
+``edges``         surface tractions as nodal forces: on the mesh as it is, or following it
+``initial``       initial stresses at rest, and the initial state of a soil where it is placed
+``interface``     zero-thickness interfaces of three node pairs: forces of contact and friction, integrated at the pairs
+                  (1:4:1)
+``multifrontal``  LU factorisation front by front without pivoting, and the solution with the factors
+``newton``        one step to equilibrium by Newton's method, full or modified
+``ordering``      the order of elimination: nested dissection of the elements, and the tree of frontal matrices that
+                  follows from it
+``setup``         from a mesh and a phase to the arrays of the kernels: materials, fixities, loads
+``stepping``      steps of load and of time through one phase, with cutting where a step fails and growth where it is
+                  easy
+``strength``      a change of strength in steps, from what the old stresses need down to what the new materials have
+``triangle``      six-node triangles: internal forces and their exact derivative
+================  ======================================================================================================
 """

@@ -1,13 +1,19 @@
 """What the data can tell: statistics on stored evaluations, and uncertainty at the optimum.
 
-==============  ============================================================================
+==============  =====================================================================================================
 ``samples``     evaluations as arrays
 ``noise``       known, or estimated from the residuals
 ``weighting``   schemes, shares, re-weighting of stored responses
 ``residuals``   whether the model describes the data: tests of what it leaves over
 ``optimum``     uncertainty at the optimum: standard errors, intervals, profiles, basins
 ``stored``      verdicts, correlations, proposals and posterior from stored evaluations
-==============  ============================================================================
+``errors``      what can go wrong in the statistics
+``misfits``     where a model does not describe the data, and by how much, in words; :mod:`.remedies` says what to do
+                about it
+``prediction``  from identified parameters to a prediction: what their uncertainty makes of another forward model
+``remedies``    what to do about a finding, as records
+``worth``       which test next: how much candidate readings would add to the data of a job
+==============  =====================================================================================================
 """
 
 from __future__ import annotations

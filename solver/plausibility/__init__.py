@@ -2,14 +2,16 @@
 
 A finding is a sentence and a warning; only readings that no soil can have are errors, unless the problem accepts them.
 
-================  ============================================================================
+================  =======================================================================================
 ``ranges``        values far outside the usual ranges that forms show
 ``expectations``  bounds that leave out what index properties of the soil let expect
 ``headings``      units of the problem file against those in the headings of the data
 ``readings``      size and sign of readings against the specimen
 ``loads``         loads of a test in stages that the readings do not show
 ``weights``       series of different units without weights
-================  ============================================================================
+``staged``        observations of laboratory tests with loads in stages, wherever in a problem they stand
+``units``         the unit in which a number was probably meant
+================  =======================================================================================
 """
 
 from __future__ import annotations

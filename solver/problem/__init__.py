@@ -1,4 +1,36 @@
-"""What a user asks for: the problem file of YAML or JSON, checked and ready to be calibrated."""
+"""What a user asks for: the problem file of YAML or JSON, checked and ready to be calibrated.
+
+=======================  =============================================================================================
+``assembly``             from a document to a checked problem: first each section on its own, so that all mistakes are
+                         reported together
+``checks``               what is found wrong, or worth telling, in a problem that can be read
+``draft``                a draft of a problem: its mistakes by line, and parameters and series of its forward model so
+                         far
+``given``                values of all parameters from given ones
+``issues``               turns what pydantic finds wrong into issues in plain words, each with its path in the problem
+                         file
+``load_stages``          the load stages of a test, from a column of loads beside the readings
+``observation_section``  the section of one observation: its readings or their file, and how they are processed
+``observations``         observations: measured points of a series, checked against the series and converted to base
+                         units
+``parameters``           parameters of a problem: free, fixed or linked; their names, limits and order of evaluation
+``points``               measured points of an observation's section, inside the problem or in a file, prepared as the
+                         section says
+``problem``              a checked problem, ready to be calibrated
+``readings``             what becomes of the readings of an observation: blocks joined, processed, and which of them
+                         take part
+``running``              the sections of a problem file on running its evaluations: limits, and what happens when one
+                         fails
+``schema``               the JSON schema of the problem file, with the section of every installed forward model
+``sections``             the sections of a problem file as pydantic models: names, types, limits and defaults of
+                         everything written in it
+``stages``               when the loads of a test in stages are applied, for what runs over the time of such a test
+``tables``               measurements from tables: CSV, workbooks, pasted cells
+``text``                 the text of a problem: YAML and JSON, read and written
+``weighting``            weights w_g of the series that follow from their readings, and the shares of series and tests
+                         in the objective
+=======================  =============================================================================================
+"""
 
 from geoswarm.solver.problem.assembly import load_problem, parse_problem
 from geoswarm.solver.problem.draft import Draft, LocatedIssue, draft_of_document, draft_of_text

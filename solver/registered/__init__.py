@@ -1,6 +1,6 @@
 """Models that the operator of a service registers: a folder with ``model.yaml`` and the files of a program.
 
-===============  ==============================================================
+===============  =====================================================================================================
 ``spec``         the section of the problem file
 ``declaration``  ``model.yaml``: the model, its parameters, its settings
 ``settings``     values of a few types that users may choose
@@ -8,5 +8,7 @@
 ``model``        the forward model
 ``shown``        what users of a service see of its messages
 ``schema``       what forms need to know
-===============  ==============================================================
+``signed``       the signed list of registered models that a service hands out: which files each consists of, and that
+                 it is genuine
+===============  =====================================================================================================
 """

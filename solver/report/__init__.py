@@ -1,14 +1,20 @@
 """Figures, tables and reports from results.
 
-==================  ====================================================================
-``record``          what a report tells of a run, wherever it was
-``curves``          measured and calculated series in the units that the user gave
-``laboratory``      parameters as laboratories know them; ``compression`` the tests that they are read from
-``thinning``        which points of long series are drawn
-``uncertainty``     what follow-ups and a posterior sample have found
-``jsonable``        any of these as JSON
-``folder``          the files of ``geoswarm run --output``, written and read again
-``figures``         one module a figure (matplotlib), palette and sizes
-``document``        what stands in a report, as HTML and PDF (need the ``plots`` extra)
-==================  ====================================================================
+===============  =====================================================================================================
+``record``       what a report tells of a run, wherever it was
+``curves``       measured and calculated series in the units that the user gave
+``laboratory``   parameters as laboratories know them; ``compression`` the tests that they are read from
+``thinning``     which points of long series are drawn
+``uncertainty``  what follow-ups and a posterior sample have found
+``jsonable``     any of these as JSON
+``folder``       the files of ``geoswarm run --output``, written and read again
+``figures``      one module a figure (matplotlib), palette and sizes
+``document``     what stands in a report, as HTML and PDF (need the ``plots`` extra)
+``compression``  the compression curve of a laboratory test: void ratio, or strain, at the ends of the stages over log
+                 stress
+``diagrams``     measured and calculated values of the diagrams that tests declare: one series over another
+``questions``    starting point of follow-ups, from the report of a run: parameters with all that is known about them
+``slug``         a name as a part of a file name
+``terms``        identified parameters of any law in the laboratory's terms, as the law declares them
+===============  =====================================================================================================
 """

@@ -1,6 +1,6 @@
 """Search methods: ask for a generation, tell its objectives, take a snapshot. They never call an objective.
 
-==========================  =====================================================================
+==========================  ================================================================
 ``space``                   bounds, search coordinates, feasibility
 ``randomness``              random numbers that depend on (seed, generation, particle) alone
 ``particle_swarm``          the synchronous particle swarm of the published study
@@ -11,7 +11,8 @@
 ``descent``                 the way down to a minimum, and what its surroundings are told by
 ``bounded``                 linear least squares inside bounds
 ``one_thread``              sums of products in the same order on every machine
-==========================  =====================================================================
+``base``                    the protocol of a search method
+==========================  ================================================================
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from tests.contracts.repository import PACKAGES, ROOT, module_name, python_files
 
 LONGEST_FILE = 420
 MOST_MODULES = 16
+FEW = 6
 SOURCES = python_files(*PACKAGES)
 TESTS = python_files("tests")
 
@@ -40,6 +41,17 @@ def test_a_folder_holds_as_many_modules_as_a_reader_can_survey() -> None:
 def test_every_module_says_what_it_is_for() -> None:
     nameless = [label(path) for path in SOURCES if not ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))]
     assert nameless == []
+
+
+def test_the_table_of_a_package_names_its_modules() -> None:
+    """Those of few modules need none; that of ``geoswarm`` teaches its use, and migrations are numbered."""
+    for package in (path for path in SOURCES if path.name == "__init__.py"):
+        folder, docstring = package.parent, ast.get_docstring(ast.parse(package.read_text(encoding="utf-8"))) or ""
+        modules = [path.stem for path in SOURCES if path.parent == folder and path != package]
+        modules += [path.parent.name for path in SOURCES if path.name == package.name and path.parent.parent == folder]
+        named = re.findall(r"^``(\w+)``  ", docstring, re.MULTILINE)
+        if named or (len(modules) > FEW and folder.name not in ("geoswarm", "versions")):
+            assert sorted(named) == sorted(modules), label(folder)
 
 
 def test_exported_names_exist_once() -> None:

@@ -1,4 +1,20 @@
-"""The store: connections, tables, migrations. Queries on the tables are in ``queries``."""
+"""The store: connections, tables, migrations. Queries on the tables are in ``queries``.
+
+==================  ====================================================================================================
+``clock``           the database's clock as an SQL expression: the one clock that all processes share
+``codec``           how values are stored in the database: exact floats, no pickle, no NaN in JSON
+``cursors``         cursors: where the next page starts, as opaque text that a client returns
+``database``        connections and transactions: SQLite and PostgreSQL behave the same behind :class:`Store`
+``event_listener``  announces committed events immediately, if the database can; listeners may sleep in between
+``file``            the file of an SQLite database: readable by its owner only, and the same as long as it is open
+``journal``         empties SQLite's journal after jobs were deleted: it still holds the deleted pages, and keeps its
+                    size
+``migrate``         upgrades the schema at start, with any number of processes starting at once
+``migrations``      alembic migrations of the database; applied by ``geoswarm.workers.store.migrate``
+``outbox``          records, in the transaction that ends a job, whom to notify: once committed, no notification is lost
+``tables``          tables of the store
+==================  ====================================================================================================
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Statistics of stored evaluations, and what follows from them.
 
-======================  =================================================================
+======================  ===============================================================================================
 ``study``               all of these in one go
 ``filtering``           threshold of good fits, given or proposed
 ``correlations``        Pearson and Spearman with confidence intervals
@@ -12,5 +12,10 @@
 ``posterior``           posterior sample through a checked response surface
 ``global_sensitivity``  Sobol and Morris indices (extra ``statistics``)
 ``findings``            what the jobs of sensitivities, profiles and designs tell
-======================  =================================================================
+``exploring``           where runs are spent that look for a second basin: what the stored ones exclude the least
+``follow_ups``          the problems of follow-ups: the problem of a job with another ``method``
+``stored_fit``          whether the model describes the data, from stored evaluations alone: no forward calculation, no
+                        derivatives
+``verdict_words``       verdicts in words: the reason in one clause, and the sentence, from the record of a verdict
+======================  ===============================================================================================
 """
