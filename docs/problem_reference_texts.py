@@ -154,6 +154,23 @@ observed now, and their parameters are a point of this search. They cost nothing
 """
 
 
+TESTS = """
+A table with a row for each laboratory test: [how to write it](laboratory-files.md#a-table-of-tests). Each row becomes
+a part of `kind: combined` with the observations of its file; a mistake names row and column. `forward_model` may hold
+further parts, `observations` those of them. Unless `weighting` is given, it is `by_test`: every test counts alike.
+
+Any key of the table except `table`, `table_sheet` and `rows` holds for every row that does not give it. In addition to
+the keys below, a row has
+
+- the keys of its part, such as `material` (needed), `settings`, `height` or `back_pressure`;
+- the columns of its series by name: `void_ratio` or `axial_strain` (oedometer), `void_ratio` or `volumetric_strain`
+  (isotropic_compression), `q`, `p`, `volumetric_strain`, `pore_pressure`, `void_ratio`, `stress_ratio`,
+  `radial_strain`, `axial_stress` or `radial_stress` over the axial strain (triaxial). With `_unit`, `_factor`,
+  `_error` or `_weight` behind the name: `q_error: 2`;
+- of the keys of an observation: `decimal_sign`, `incomplete_rows`, `where`, `sort`, `repeated_x`, `resample`,
+  `y_zero`, `gross_error_column`, `x_factor`, `loss` and `loss_scale`.
+"""
+
 INDEX_PROPERTIES = """
 Index properties of the soil take no part in the calibration. Published correlations tell what they let expect of the
 parameters: `geoswarm estimate`, `check`, the form and the report show it. See [starting values](index-properties.md).

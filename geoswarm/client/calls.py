@@ -187,7 +187,7 @@ def question_document(problem: Problem) -> Mapping[str, Any]:
         When the file, or one that it refers to, cannot be read.
     """
     if isinstance(problem, str | Path):
-        from geoswarm.solver.problem.points import inlined_document  # slow; only needed for files
+        from geoswarm.solver.problem.draft import inlined_document  # slow; only needed for files
 
         return inlined_document(Path(problem))
     return problem

@@ -25,6 +25,8 @@
 ``sections``             the sections of a problem file as pydantic models: names, types, limits and defaults of
                          everything written in it
 ``stages``               when the loads of a test in stages are applied, for what runs over the time of such a test
+``test_table``           a table of laboratory tests, one row a test, which becomes parts and observations of a combined
+                         problem
 ``tables``               measurements from tables: CSV, workbooks, pasted cells
 ``text``                 the text of a problem: YAML and JSON, read and written
 ``weighting``            weights w_g of the series that follow from their readings, and the shares of series and tests

@@ -46,6 +46,7 @@ from geoswarm.solver.problem.sections import (
     Stopping,
     WarmStart,
 )
+from geoswarm.solver.problem.test_table.expansion import without_table
 from geoswarm.solver.problem.text.reading import plain_document, read_problem_file
 from geoswarm.solver.problem.weighting import scheme_factors
 from geoswarm.solver.words import did_you_mean
@@ -79,7 +80,8 @@ def parse_problem(document: Mapping[str, Any], *, programs: bool = False) -> Pro
     ProblemError
         Lists every mistake with its path.
     """
-    return _Assembly(plain_document(document), None, programs).problem()
+    with without_table(plain_document(document), None) as plain:
+        return _Assembly(plain, None, programs).problem()
 
 
 def load_problem(path: str | Path, completed: Callable[[dict[str, Any]], dict[str, Any]] | None = None) -> Problem:
@@ -105,9 +107,10 @@ def load_problem(path: str | Path, completed: Callable[[dict[str, Any]], dict[st
     path = Path(path)
     document = read_problem_file(path)
     document = document if completed is None else completed(document)
-    problem = _Assembly({"name": path.stem, **document}, path.parent, programs=True).problem()
-    if extreme := extreme_issues(problem):
-        raise ProblemError(extreme)
+    with without_table({"name": path.stem, **document}, path.parent) as plain:
+        problem = _Assembly(plain, path.parent, programs=True).problem()
+        if extreme := extreme_issues(problem):
+            raise ProblemError(extreme)
     return problem
 
 
@@ -144,7 +147,8 @@ class _Assembly:
             self._check_known_values(parameters, links, constraints, model)
         method = self._method()
         stopping = self._validated(Stopping, self.document.get("stopping", {}), "stopping")
-        self._check_stopping(method, stopping)
+        if method is not None and stopping is not None:
+            self.issues += method.stopping_issues(stopping)
         limits = self._validated(Limits, self.document.get("limits", {}), "limits")
         failures = self._validated(Failures, self.document.get("failures", {}), "failures")
         answer = self._validated(Answering, self.document.get("answer", {}), "answer")
@@ -413,7 +417,3 @@ class _Assembly:
         if method is not None and not method.takes_offers:
             self._report("warm_start", "needs method particle_swarm with acceleration: response_surface")
         return tuple(section.jobs) if section else ()
-
-    def _check_stopping(self, method: Method | None, stopping: Stopping | None) -> None:
-        if method is not None and stopping is not None:
-            self.issues += method.stopping_issues(stopping)

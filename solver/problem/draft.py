@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
@@ -15,13 +16,31 @@ from geoswarm.solver.errors import Issue, ProblemError, SolverError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.problem.assembly import parse_problem
+from geoswarm.solver.problem.issues import validated
+from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.points import known_spec, read_points, units_found
 from geoswarm.solver.problem.problem import Problem
+from geoswarm.solver.problem.test_table.expansion import without_table
 from geoswarm.solver.problem.text.lines import line_of, lines_of
-from geoswarm.solver.problem.text.reading import plain_document, read_document
+from geoswarm.solver.problem.text.reading import plain_document, read_document, read_problem_file
 from geoswarm.solver.problem.text.writing import problem_yaml
 
-__all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text", "located"]
+__all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text", "inlined_document", "located"]
 
+_TAKEN_IN = {
+    "sort",
+    "repeated_x",
+    "resample",
+    "y_zero",
+    "x_factor",
+    "y_factor",
+    "decimal_sign",
+    "incomplete_rows",
+    "sheet",
+    "where",
+}
+_TAKEN_IN |= {"x_column", "y_column", "y_minus", "weight_column", "inputs", "gross_error_column", "x_dates"}
+_TAKEN_IN |= {"x_time_column", "x_origin", "file", "blocks"}
 _LINE = re.compile(r" in line (\d+)")
 MAX_YAML_BYTES = 200_000
 """Longest text that a draft is written as or read from: the YAML reader takes some 15 s of a core for a megabyte."""
@@ -118,3 +137,37 @@ def _model(section: str) -> tuple[ForwardModelSpec | None, ForwardModel | None]:
 @lru_cache(maxsize=16)  # drafts are judged at every change, most of which are elsewhere; a section plans a mesh
 def _built(section: str) -> ForwardModel:
     return built(parse_spec(json.loads(section)))
+
+
+def inlined_document(path: Path) -> dict[str, Any]:
+    """Read a problem file that may lack what another problem gives; only its measurement files are read.
+
+    Raises
+    ------
+    ProblemError
+        A file cannot be read.
+    """
+    with without_table({"name": path.stem, **read_problem_file(path)}, path.parent) as document:
+        return _inlined(document, path.parent)
+
+
+def _inlined(document: dict[str, Any], folder: Path) -> dict[str, Any]:
+    observations = document.get("observations")
+    spec = known_spec(document.get("forward_model"))
+    if not isinstance(observations, list):
+        return document
+    found: list[Any] = []
+    for index, given in enumerate(observations):
+        if not isinstance(given, dict) or "file" not in given:
+            found.append(given)
+            continue
+        place = f"observations[{index}]"
+        section, issues = validated(ObservationSection, given, place)
+        if section is None:
+            raise ProblemError(issues)
+        points, issues = read_points(section, place, folder, spec)
+        if points is None or issues:
+            raise ProblemError(issues)
+        kept = {key: value for key, value in given.items() if key not in _TAKEN_IN}
+        found.append(units_found(points) | kept | {"points": points.document()})
+    return document | {"observations": found}

@@ -19,7 +19,7 @@ from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document
 from geoswarm.solver.units import UnitError, convert
 
-__all__ = ["LoadStage", "LoadStages", "measured_stages"]
+__all__ = ["LoadStage", "LoadStages", "in_base_unit", "measured_stages"]
 
 _MOST = 200
 _LOAD = "load"
@@ -77,12 +77,21 @@ def measured_stages(
         table = table_of(content, name, columns_of(section))
     except TableError as error:
         raise ProblemError([Issue("", message) for message in error.messages]) from None
-    days = section.x_factor * _converted("x", table.x, section.x_unit, "day", table.x_heading)
-    loads = _converted("load", table.y, load_unit, "kPa", table.y_heading)
+    days = section.x_factor * in_base_unit("x", table.x, section.x_unit, "day", table.x_heading)
+    loads = in_base_unit("load", table.y, load_unit, "kPa", table.y_heading)
     return _stages(days, loads, table.y, load_column)
 
 
-def _converted(axis: str, values: Sequence[float], given: str | None, base: str, heading: Heading) -> FloatArray:
+def in_base_unit(
+    axis: str, values: Sequence[float], given: str | None, base: str, heading: Heading | None
+) -> FloatArray:
+    """Values of an axis (x, y, load) in a base unit, from the unit given or that of their heading.
+
+    Raises
+    ------
+    ProblemError
+        The unit is unknown, missing or of another quantity; its path is ``AXIS_unit`` or ``AXIS_column``.
+    """
     unit, wrong = unit_of_data(axis, given, base, heading, unitless=False)
     try:
         if wrong is None:

@@ -24,25 +24,18 @@ from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
 from geoswarm.solver.problem.tables.reading import TableError
-from geoswarm.solver.problem.text.reading import read_document, read_problem_file
+from geoswarm.solver.problem.text.reading import read_document
 from geoswarm.solver.units import UnitError, convert
 
-__all__ = ["Points", "columns_of", "inlined_document", "measured_points", "points_of_file", "read_points"]
-
-_TAKEN_IN = {
-    "sort",
-    "repeated_x",
-    "resample",
-    "y_zero",
-    "x_factor",
-    "y_factor",
-    "decimal_sign",
-    "incomplete_rows",
-    "sheet",
-    "where",
-}
-_TAKEN_IN |= {"x_column", "y_column", "y_minus", "weight_column", "inputs", "gross_error_column", "x_dates"}
-_TAKEN_IN |= {"x_time_column", "x_origin", "file", "blocks"}
+__all__ = [
+    "Points",
+    "columns_of",
+    "known_spec",
+    "measured_points",
+    "points_of_file",
+    "read_points",
+    "units_found",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,15 +161,15 @@ def measured_points(
     section, issues = validated(ObservationSection, given, "")
     if section is None:
         raise ProblemError(issues)
-    spec = None if forward_model is None else _known_spec(read_document(forward_model, "json"))
+    spec = None if forward_model is None else known_spec(read_document(forward_model, "json"))
     points, issues = points_of_file(section, "", content, name, spec)
     if points is None or issues:
         raise ProblemError([replace(issue, path=issue.path.removeprefix(".")) for issue in issues])
     units = {"x_unit": section.x_unit, "y_unit": section.y_unit}
-    return points, _units_found(points) | {axis: unit for axis, unit in units.items() if unit is not None}
+    return points, units_found(points) | {axis: unit for axis, unit in units.items() if unit is not None}
 
 
-def _units_found(points: Points) -> dict[str, str]:
+def units_found(points: Points) -> dict[str, str]:
     """``x_unit`` and ``y_unit`` of points from a file, by its headings and cells."""
     units = {}
     for axis, heading in (("x_unit", points.x_heading), ("y_unit", points.y_heading)):
@@ -354,39 +347,9 @@ def _weight_issues(points: Points, path: str) -> list[Issue]:
     return []
 
 
-def _known_spec(section: Any) -> ForwardModelSpec | None:
+def known_spec(section: Any) -> ForwardModelSpec | None:
     """The forward model, where it is complete; others are judged where it is calculated."""
     try:
         return parse_spec(section)
     except (TypeError, ValueError):
         return None
-
-
-def inlined_document(path: Path) -> dict[str, Any]:
-    """Read a problem file that may lack what another problem gives; only its measurement files are read.
-
-    Raises
-    ------
-    ProblemError
-        A file cannot be read.
-    """
-    document = {"name": path.stem, **read_problem_file(path)}
-    observations = document.get("observations")
-    spec = _known_spec(document.get("forward_model"))
-    if not isinstance(observations, list):
-        return document
-    found: list[Any] = []
-    for index, given in enumerate(observations):
-        if not isinstance(given, dict) or "file" not in given:
-            found.append(given)
-            continue
-        place = f"observations[{index}]"
-        section, issues = validated(ObservationSection, given, place)
-        if section is None:
-            raise ProblemError(issues)
-        points, issues = read_points(section, place, path.parent, spec)
-        if points is None or issues:
-            raise ProblemError(issues)
-        kept = {key: value for key, value in given.items() if key not in _TAKEN_IN}
-        found.append(_units_found(points) | kept | {"points": points.document()})
-    return document | {"observations": found}

@@ -56,6 +56,8 @@ def _text(specs: tuple[_Section, ...], others: tuple[_Section, ...]) -> str:
     definitions["forward_model"] = {"oneOf": [{"$ref": f"#/$defs/forward_model_{kind}"} for kind, _ in specs]}
     place = schema["properties"]["forward_model"]
     schema["properties"]["forward_model"] = {"$ref": "#/$defs/forward_model", "description": place["description"]}
+    schema["required"] = ["parameters"]
+    schema["anyOf"] = [{"required": ["forward_model", "observations"]}, {"required": ["tests"]}]
     choice = schema["properties"]["method"]
     for kind, section in others:
         definitions |= _definitions(f"method_{kind}", section)

@@ -14,6 +14,7 @@ from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
 from geoswarm.solver.methods.registry import built_in_methods
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.running import Answering, Failures, Limits
+from geoswarm.solver.problem.test_table.section import SpecimenRow, SpecimenTable
 from geoswarm.solver.problem.weighting import Weighting
 from geoswarm.solver.section import Section
 
@@ -173,5 +174,10 @@ class ProblemFile(Settings):
     answer: Answering = Field(default=Answering(), description="the runs after a search that its result needs")
     index_properties: IndexSection | None = Field(
         None, description="of the soil: correlations then suggest values of the parameters"
+    )
+    tests: str | list[SpecimenRow] | SpecimenTable | None = Field(
+        None,
+        description="laboratory tests, one row a test: a table (CSV file or workbook), or a list; each becomes a part "
+        "of a combined forward model with its observations, which then need not be given",
     )
     warm_start: WarmStart | None = Field(None, description="earlier runs that an accelerated swarm learns from")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.problem import load_problem, problem_yaml
-from geoswarm.solver.problem.points import inlined_document
+from geoswarm.solver.problem.draft import inlined_document
 from geoswarm.solver.units import convert
 from tests.api.conftest import API, App
 from tests.solver.problem.test_found_units import PERCENT, document

@@ -174,3 +174,16 @@ def test_keys_of_a_file_of_a_laboratory_are_those_of_an_observation(block: str) 
     (observation,) = part("docs/laboratory-files.md", block)["observations"]
     given = ObservationSection.model_validate(observation)
     assert given.model_dump(exclude_unset=True).keys() == observation.keys()
+
+
+def test_the_table_of_tests_is_read(tmp_path: Path) -> None:
+    page = "docs/laboratory-files.md"
+    (tmp_path / "problem.yaml").write_text(block(page, "name: karlsruhe-sand").text, encoding="utf-8")
+    (tmp_path / "tests.csv").write_text(block(page, "name;  file;").text, encoding="utf-8")
+    (tmp_path / "oe1.csv").write_text("stress [kPa],void ratio\n10,0.9\n100,0.88\n50,0.881\n", encoding="utf-8")
+    (tmp_path / "tmd1.csv").write_text("axial strain [%],q [kPa],volumetric strain [%]\n2,150,0.1\n", encoding="utf-8")
+    (tmp_path / "tmu1.csv").write_text("axial strain [%],q [kPa],pore pressure [kPa]\n2,90,120\n", encoding="utf-8")
+    problem = gs.load_problem(tmp_path / "problem.yaml")
+    assert [o.series for o in problem.observations] == [
+        *("OE1.stage_void_ratio", "TMD1.q", "TMD1.volumetric_strain", "TMU1.q", "TMU1.pore_pressure"),
+    ]

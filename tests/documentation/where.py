@@ -97,6 +97,8 @@ BLOCKS: Final[dict[str, dict[str, str]]] = {
     "docs/laboratory-files.md": {
         "sheet: Oedometer 1": f"{PROBLEMS}test_keys_of_a_file_of_a_laboratory_are_those_of_an_observation",
         "blocks:": f"{PROBLEMS}test_keys_of_a_file_of_a_laboratory_are_those_of_an_observation",
+        "name;  file;": f"{PROBLEMS}test_the_table_of_tests_is_read",
+        "name: karlsruhe-sand": f"{PROBLEMS}test_the_table_of_tests_is_read",
     },
     "docs/laboratory-tests.md": {"indented": DRAWING},
     **{

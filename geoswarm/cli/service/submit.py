@@ -105,7 +105,7 @@ def _learning_from(jobs: list[str], problem: Path) -> dict[str, Any]:
 
 
 def _accepting(series: tuple[str, ...], problem: Path | dict[str, Any]) -> dict[str, Any]:
-    from geoswarm.solver.problem.points import inlined_document
+    from geoswarm.solver.problem.draft import inlined_document
 
     return accepting(series)(problem if isinstance(problem, dict) else inlined_document(problem))
 

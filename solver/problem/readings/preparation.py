@@ -184,13 +184,15 @@ def _groups(x: FloatArray, weight: FloatArray, wanted: Preparation) -> tuple[Int
     begins, notes = np.arange(len(x)), []
     if wanted.repeated_x == "average":
         begins = np.flatnonzero(np.diff(x, prepend=np.nan) != 0)
-        notes.append(f"readings at equal x were averaged: {len(begins)} points of {len(x)} readings")
+        if len(begins) < len(x):
+            notes.append(f"readings at equal x were averaged: {len(begins)} points of {len(x)} readings")
     if wanted.resample is not None:
         before = len(begins)
         stages = stage_of(x[begins], np.array(wanted.loads)) if wanted.loads else np.zeros(before)
         firsts = np.flatnonzero(np.diff(stages, prepend=stages[0]) != 0)
         begins = begins[np.union1d(_resampled(_mean(begins, x, weight), wanted.resample), firsts)]
-        notes.append(f"{wanted.resample.in_words()}: {len(begins)} points of {before} readings")
+        if len(begins) < before:
+            notes.append(f"{wanted.resample.in_words()}: {len(begins)} points of {before} readings")
     return begins, notes
 
 

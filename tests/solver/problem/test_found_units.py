@@ -10,8 +10,8 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import load_problem, parse_problem, problem_yaml
+from geoswarm.solver.problem.draft import inlined_document
 from geoswarm.solver.problem.observations import Observation
-from geoswarm.solver.problem.points import inlined_document
 from geoswarm.solver.problem.tables.columns import Columns
 from geoswarm.solver.problem.tables.headings import guess_unit
 from geoswarm.solver.problem.tables.reading import TableError

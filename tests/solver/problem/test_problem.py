@@ -168,8 +168,10 @@ def test_the_schema_knows_every_section_and_every_kind() -> None:
     assert set(schema["properties"]) == {
         *("name", "forward_model", "parameters", "constraints", "observations", "method", "stopping", "seed"),
         *("weighting", "limits", "failures", "priority", "warm_start", "index_properties", "accept", "answer", "noise"),
+        "tests",
     }
-    assert schema["required"] == ["forward_model", "parameters", "observations"]
+    assert schema["required"] == ["parameters"]
+    assert schema["anyOf"] == [{"required": ["forward_model", "observations"]}, {"required": ["tests"]}]
     assert [choice["$ref"] for choice in schema["$defs"]["forward_model"]["oneOf"]] == [
         f"#/$defs/forward_model_{kind}" for kind in kinds()
     ]

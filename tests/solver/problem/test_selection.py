@@ -12,7 +12,7 @@ import pytest
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import reweighted_problem
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.problem.points import inlined_document
+from geoswarm.solver.problem.draft import inlined_document
 
 X = [0.5, 10.0, 60.0, 1440.0, 1440.5, 1500.0, 2880.0]  # min; a load at 0 and at 1440
 

@@ -1,0 +1,179 @@
+"""A table of tests becomes parts and observations of a combined problem; a mistake is one of its row."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem import load_problem, parse_problem
+from geoswarm.solver.problem.draft import inlined_document
+
+_OEDOMETER = "sigma_v [MPa],e [-]\n0.01,1.0\n0.1,0.97\n0.4,0.94\n0.1,0.945\n"
+_DRAINED = "eps_1 [%],q [kPa],eps_v [%],remark\n1,80,0.4,\n5,200,-1.0,\n10,190,-3.0,end\n"
+_UNDRAINED = "eps_1 [%],eps_3 [%],q [kPa],u [kPa]\n1,-0.5,60,20\n4,-2,110,45\n"
+_TABLE = (
+    "test;file;type;cell pressure [MPa];e0;back pressure;q_error\n"
+    "OE-1;oe.csv;Oedometer;;;;\n"
+    "TMD;cd.csv;CD;0.1;0.75;;2\n"
+    "TMU;cu.csv;triaxial undrained;0.2;0.85;300;\n"
+)
+_SAND = {"phi_c": 33, "n": 0.3, "e_d0": 0.68, "e_c0": 1.05, "e_i0": 1.2, "alpha": 0.14, "beta": 2.5}
+_REST: dict[str, Any] = {
+    "name": "sand",
+    "parameters": {"h_s": {"lower": 1e5, "upper": 1e7, "scale": "log"}} | {k: {"value": v} for k, v in _SAND.items()},
+    "stopping": {"max_evaluations": 50},
+}
+
+
+def _written(folder: Path, tests: Any = None, table: str = _TABLE, **rest: Any) -> Path:
+    files = {"oe.csv": _OEDOMETER, "cd.csv": _DRAINED, "cu.csv": _UNDRAINED, "tests.csv": table}
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    tests = {"table": "tests.csv", "material": "hypoplastic_sand"} if tests is None else tests
+    path = folder / "problem.json"
+    path.write_text(json.dumps({**_REST, "tests": tests, **rest}), encoding="utf-8")
+    return path
+
+
+def _issues(path: Path) -> list[str]:
+    with pytest.raises(ProblemError) as caught:
+        load_problem(path)
+    return [str(issue) for issue in caught.value.issues]
+
+
+def test_a_table_is_the_combined_problem_that_one_would_write(tmp_path: Path) -> None:
+    problem = load_problem(_written(tmp_path))
+    sand = {"material": "hypoplastic_sand"}
+    by_hand = {
+        **_REST,
+        "weighting": "by_test",
+        "forward_model": {
+            "kind": "combined",
+            "parts": {
+                "OE_1": {
+                    **sand,
+                    "kind": "oedometer",
+                    "height": 0.02,
+                    "initial_stress": 10,
+                    "initial_void_ratio": 1,
+                    "stages": [{"stress": stress, "duration": 1} for stress in (100, 400, 100)],
+                },
+                "TMD": {
+                    **sand,
+                    "kind": "triaxial",
+                    "initial_stress": 100,
+                    "initial_void_ratio": 0.75,
+                    "shearing": [{"kind": "monotonic", "axial_strain": 0.1}],
+                },
+                "TMU": {
+                    **sand,
+                    "kind": "triaxial",
+                    "initial_stress": 200,
+                    "initial_void_ratio": 0.85,
+                    "drainage": "undrained",
+                    "back_pressure": 300,
+                    "shearing": [{"kind": "monotonic", "axial_strain": 0.04}],
+                },
+            },
+        },
+        "observations": [
+            {
+                "series": "OE_1.stage_void_ratio",
+                "points": {"x": [1, 2, 3], "y": [0.97, 0.94, 0.945]},
+                "y_unit": "dimensionless",
+            },
+            *(
+                {"series": series, "points": {"x": x, "y": y}, "x_unit": "%", "y_unit": unit, **more}
+                for series, x, y, unit, more in (
+                    ("TMD.q", [1, 5, 10], [80, 200, 190], "kPa", {"error": 2}),
+                    ("TMD.volumetric_strain", [1, 5, 10], [0.4, -1, -3], "%", {}),
+                    ("TMU.q", [1, 4], [60, 110], "kPa", {}),
+                    ("TMU.pore_pressure", [1, 4], [20, 45], "kPa", {}),
+                )
+            ),
+        ],
+    }
+
+    def without_notes(document: dict[str, Any]) -> dict[str, Any]:
+        for one in document["observations"]:
+            one.pop("notes", None)
+        return document
+
+    expected = parse_problem(by_hand).document()
+    assert without_notes(problem.document()) == without_notes(expected)
+    assert parse_problem(inlined_document(tmp_path / "problem.json")).document() == problem.document()
+
+
+def test_rows_may_be_a_list_with_columns_by_name_beside_parts_written_out(tmp_path: Path) -> None:
+    row = {"name": "slow", "kind": "oedometer", "file": "oe.csv", "x": "sigma_v", "void_ratio": "e"}
+    row |= {"initial_stress": 5, "initial_void_ratio": 1.01, "material": "hypoplastic_sand", "void_ratio_error": 0.002}
+    part = {"kind": "triaxial", "material": "hypoplastic_sand", "initial_stress": 50, "initial_void_ratio": 0.8}
+    part["shearing"] = [{"kind": "monotonic", "axial_strain": 0.1}]
+    model = {"kind": "combined", "parts": {"other": part}}
+    given = [{"series": "other.q", "points": {"x": [0.05], "y": [90]}, "error": 1}]
+    path = _written(tmp_path, [row], forward_model=model, observations=given, weighting="by_error")
+    problem = load_problem(path)
+    assert [o.series for o in problem.observations] == ["other.q", "slow.stage_void_ratio"]
+    assert problem.observations[1].x.tolist() == [1, 2, 3, 4]
+    assert problem.observations[1].error == 0.002
+    assert problem.weighting == "by_error"
+
+
+_LINE = "tests: tests.csv line 2"
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("a;cd.csv;CD;0.1;loose;;", f"{_LINE}, column 'e0': must be a number, got text 'loose'"),
+        ("a;cd.csv;CD;0.1;-0.7;;", f"{_LINE}, column 'e0': must be above 0, got -0.7"),
+        ("a;cd.csv;CD;;0.7;;", f"{_LINE}, column 'cell pressure [MPa]': is missing; a stress above 0 kPa is accepted"),
+        (
+            "a;cd.csv;shear box;0.1;0.7;;",
+            f"{_LINE}, column 'type': must be 'oedometer', 'isotropic_compression' or 'triaxial', got text 'shear box'",
+        ),
+        ("a;no.csv;CD;0.1;0.7;;", f"{_LINE}, column 'file': no such file"),
+        ("a;cd.csv;CD;0.1;0.7;-3;", f"{_LINE}, column 'back pressure': must be at least 0, got -3"),
+        ("a;oe.csv;oedometer;0.1;;;", f"{_LINE}, column 'cell pressure [MPa]': is for kind: triaxial"),
+        ("a;oe.csv;CD;0.1;0.7;;", f"{_LINE}, x: no heading of the file means the axial strain (headings: sigma_v"),
+        ("a;cd.csv;CD;0.1;0.7;;0", f"{_LINE}, column 'q_error': must be above 0, got 0"),
+        ("a;cd.csv;CD;0.1;;;", f"{_LINE}, column 'e0': is missing: material hypoplastic_sand needs it; the void ratio"),
+        (
+            "a;cd.csv;CD;0.1;0.7;;\na;cu.csv;CU;0.1;0.7;;",
+            "tests: tests.csv line 3, column 'test': is 'a', which another",
+        ),
+    ],
+)
+def test_a_bad_row_is_told_by_its_line_and_column(tmp_path: Path, row: str, message: str) -> None:
+    table = f"{_TABLE.splitlines()[0]}\n{row}\n"
+    found = _issues(_written(tmp_path, table=table))
+    assert any(one.startswith(message) for one in found), found
+
+
+def test_mistakes_of_a_list_have_their_place(tmp_path: Path) -> None:
+    row = {"kind": "triaxial", "file": "cd.csv", "material": "hypoplastic_sand", "cell_pressure": 100, "voids": 0.7}
+    found = _issues(_written(tmp_path, [row]))
+    assert found[0].startswith("tests[0].voids: unknown key; accepted: name, kind, file")
+    found = _issues(_written(tmp_path, [row | {"voids": None, "kind": "CD", "drainage": "undrained"}]))
+    assert found == ["tests[0].drainage: is text 'undrained', but kind is 'CD'; give one"]
+    found = _issues(_written(tmp_path, {"material": "hypoplastic_sand"}))
+    assert found == ["tests: give either table (a file) or rows (a list of tests); neither is given"]
+    found = _issues(_written(tmp_path, forward_model={"kind": "oedometer"}))
+    assert found[0].startswith("forward_model: with tests only kind: combined is accepted")
+
+
+def test_loads_of_laws_of_time_need_a_duration(tmp_path: Path) -> None:
+    tests = [{"kind": "oedometer", "file": "oe.csv", "material": "soft_soil_creep"}]
+    assert _issues(_written(tmp_path, tests))[0].startswith("tests[0].stage_duration: is missing: time has an effect")
+
+
+def test_files_of_a_table_are_not_read_for_the_network() -> None:
+    with pytest.raises(ProblemError, match="files can only be read beside a problem file; geoswarm inline PROBLEM"):
+        parse_problem({**_REST, "tests": "tests.csv"})
+    row = {"kind": "oedometer", "file": "/etc/passwd", "material": "hypoplastic_sand"}
+    with pytest.raises(ProblemError, match=r"tests\[0\]\.file: files can only be read beside a problem file"):
+        parse_problem({**_REST, "tests": [row]})
