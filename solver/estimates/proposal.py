@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.estimates.classical import classical_values
+from geoswarm.solver.estimates.granular import hardness_of
 from geoswarm.solver.estimates.index import (
     ParameterEstimate,
     TestOfLaw,
@@ -33,6 +34,8 @@ _FACTOR = 2.0
 """Bounds of indices, moduli and permeabilities: this factor beyond the smallest and the largest candidate."""
 _ANGLE = 5.0
 """Bounds of angles: so many degrees beyond them."""
+_DENSER = 0.2
+"""Least part that h_s has of its value by a specimen that is denser than the loosest state."""
 _PAST = ("OCR", "POP")
 
 
@@ -114,6 +117,9 @@ def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
     for test in soils_of(problem.forward_model, problem.model):
         known = term_known(test, test.own(fixed), soil)
         _gather(found, problem, test, [*_read(test, read, known), *_past(test, read)])
+        if "h_s" in test.parameters:
+            angle = [one.value for one in found.get(full_name(problem, test, "phi_c"), ())]
+            _gather(found, problem, test, _hardness(problem, test.own(fixed) | ({"phi_c": angle[0]} if angle else {})))
     for test, known_index in with_index(problem.forward_model, problem.model, soil):
         told = index_estimates(test, test.own(fixed), known_index)
         _gather(found, problem, test, [(one.parameter, of_correlation(one)) for one in told if not one.told.outside])
@@ -170,6 +176,14 @@ def _read(
                 continue
             found = term.back(value, around)
             yield term.parameter, Candidate(found, (found, found), source, True)
+
+
+def _hardness(problem: Problem, known: Mapping[str, float]) -> Iterator[tuple[str, Candidate]]:
+    """h_s and n of hypoplastic sand: the denser the loosest specimen, the more it overestimates h_s."""
+    found = hardness_of(problem, known)
+    if found is not None:
+        yield "h_s", Candidate(found.h_s, (_DENSER * found.h_s, found.h_s), found.source, True)
+        yield "n", Candidate(found.n, (found.n, found.n), found.source, True)
 
 
 def _past(test: TestOfLaw, read: Sequence[ClassicalValue]) -> Iterator[tuple[str, Candidate]]:

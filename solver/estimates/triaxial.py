@@ -26,6 +26,10 @@ _APART = 1.3
 """Least ratio of the largest to the smallest radial stress that a power of stress is told from."""
 _NEAR = 0.95
 """Part of the strength above which the volumetric strain tells the dilatancy at failure."""
+_FAR, _STILL, _RATE = 0.1, 0.03, 0.05
+"""Least axial strain of a critical state; largest changes of p' and q/p', and of the volume, over its last quarter."""
+_ALIKE = 0.05
+"""Range of void ratios within which specimens have one density."""
 _SAME = 0.02
 """Range of strengths, over their mean, within which circles lie on one another."""
 
@@ -49,6 +53,10 @@ class Sheared:
         Secant modulus at half the strength; None where the readings do not show it.
     dilatancy
         Angle at failure, degree; None: not drained, or no volumetric strain was read there.
+    settled
+        Whether stresses and volume change no more at the end, so that the state there is the critical one.
+    void_ratio
+        Before the test; None where it is not known.
     """
 
     part: str
@@ -58,6 +66,8 @@ class Sheared:
     end: tuple[float, float]
     modulus: float | None
     dilatancy: float | None
+    settled: bool
+    void_ratio: float | None
 
 
 def sheared_specimen(problem: Problem, part: ModelPart) -> Sheared:
@@ -104,6 +114,8 @@ def sheared_specimen(problem: Problem, part: ModelPart) -> Sheared:
         (float(minor[last] + q[last]), float(minor[last])),
         _secant(strain, q, axial - radial),
         _dilatancy(observed, strain, q) if drained else None,
+        _is_settled(observed, strain[good], minor[good] + q[good] / 3.0, q[good]),
+        spec.initial_void_ratio,
     )
 
 
@@ -119,12 +131,7 @@ def triaxial_values(specimens: Sequence[Sheared]) -> Iterator[ClassicalValue]:
         yield ClassicalValue("", "φ", how, found.friction_angle, unit="degree")
         if not found.through_origin:
             yield ClassicalValue("", "c", how, found.cohesion, unit="kPa")
-    s = np.array([0.5 * sum(one.end) for one in specimens])
-    t = np.array([0.5 * (one.end[0] - one.end[1]) for one in specimens])
-    sine = float(s @ t / (s @ s))
-    if 0.0 < sine < 1.0:
-        angle = math.degrees(math.asin(sine))
-        yield ClassicalValue("", "φ_cs", f"end of shearing, {count}, c = 0", angle, unit="degree")
+    yield _critical([one for one in specimens if one.settled])
     dilating = [one.dilatancy for one in specimens if one.dilatancy is not None]
     if dilating:
         mean = float(np.mean(dilating))
@@ -136,6 +143,49 @@ def triaxial_values(specimens: Sequence[Sheared]) -> Iterator[ClassicalValue]:
             how = f"secant at half the strength, σ′₃ = {one.radial:.4g} kPa"
             yield ClassicalValue(one.part, symbol, how, one.modulus, unit="kPa")
     yield from _power(drained)
+
+
+def _critical(settled: Sequence[Sheared]) -> ClassicalValue:
+    """Critical friction angle, from the specimens whose state changes no more at the end."""
+    count = f"{len(settled)} specimens" if len(settled) != 1 else "1 specimen"
+    how = f"end of shearing, {count}, c = 0"
+    if not settled:
+        why = (
+            f"no specimen is at its critical state at the end: that needs an axial strain of at least {_FAR:.0%}, over "
+            f"whose last quarter p' and q/p' change by less than {_STILL:.0%}, and the volume by less than {_RATE:.0%} "
+            "of that strain"
+        )
+        return ClassicalValue("", "φ_cs", "end of shearing, c = 0", None, why, "degree")
+    s = np.array([0.5 * sum(one.end) for one in settled])
+    t = np.array([0.5 * (one.end[0] - one.end[1]) for one in settled])
+    sine = float(s @ t / (s @ s))
+    angle = math.degrees(math.asin(sine)) if 0.0 < sine < 1.0 else None
+    why = "" if angle is not None else "the stresses at the end are not those of compression"
+    return ClassicalValue("", "φ_cs", how, angle, why, "degree")
+
+
+def _is_settled(observed: dict[str, Observation], strain: FloatArray, p: FloatArray, q: FloatArray) -> bool:
+    """Whether mean stress, q/p' and volume change no more over the last quarter of the axial strain."""
+    if not strain[-1] >= _FAR:
+        return False
+    late = strain >= 0.75 * strain[-1]
+    for values in (p[late], q[late] / p[late]):
+        if float(np.ptp(_smooth(strain[late], values))) > _STILL * abs(float(values.mean())):
+            return False
+    volume = observed.get("volumetric_strain") or observed.get("branch_1.volumetric_strain")
+    if volume is None:
+        return True
+    x, y = _sorted(volume)
+    inside = x >= 0.75 * strain[-1]
+    return bool(inside.sum() < 2 or abs(straight_line(x[inside], y[inside])[0]) < _RATE)
+
+
+def _smooth(x: FloatArray, y: FloatArray) -> FloatArray:
+    """A straight line through readings, so that their scatter is no change."""
+    if x.size < 3:
+        return y
+    slope, start, _ = straight_line(x, y)
+    return start + slope * x
 
 
 def triaxial_construction(specimens: Sequence[Sheared]) -> Construction | None:
@@ -177,7 +227,14 @@ def _power(drained: Sequence[Sheared]) -> Iterator[ClassicalValue]:
     if radial.size == 0:
         return
     moduli = np.array([one.modulus for one in drained], dtype=np.float64)
-    if radial.max() >= _APART * radial.min():
+    voids = [one.void_ratio for one in drained if one.void_ratio is not None]
+    if voids and max(voids) - min(voids) > _ALIKE and radial.max() >= _APART * radial.min():
+        why = (
+            f"the specimens have void ratios from {min(voids):.3g} to {max(voids):.3g}; a power of stress is read from "
+            f"specimens of one density, within {_ALIKE:g}"
+        )
+        yield ClassicalValue("", "m", "power of σ′₃/100 kPa", None, why)
+    elif radial.max() >= _APART * radial.min():
         m, offset, _ = straight_line(np.log(radial / _REFERENCE), np.log(moduli))
         how = f"{radial.size} specimens, power of σ′₃/100 kPa"
         yield ClassicalValue("", "E₅₀ʳᵉᶠ", how, math.exp(offset), unit="kPa")

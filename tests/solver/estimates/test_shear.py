@@ -86,6 +86,34 @@ def test_drained_tests_give_mohr_circles_moduli_their_power_and_dilatancy() -> N
     ]
 
 
+def test_the_critical_angle_is_read_from_specimens_whose_state_changes_no_more() -> None:
+    """Hyperbolas end at the strength; a volume that still grows, a short test and a falling q are left out."""
+    still, growing = np.zeros(STRAIN.size), -0.2 * STRAIN
+    falling = hyperbola(100.0) * np.linspace(1.5, 1.0, STRAIN.size)
+    readings = {"a.q": hyperbola(100.0), "a.volumetric_strain": still, "b.q": hyperbola(100.0) * 1.2}
+    readings |= {"b.volumetric_strain": growing, "c.q": falling}
+    one = problem({name: part(100.0) for name in "abc"}, readings)
+    (angle,) = [value for value in classical_values(one) if value.symbol == "φ_cs"]
+    assert angle.method == "end of shearing, 1 specimen, c = 0"
+    end = strength(100.0)
+    assert angle.value == pytest.approx(math.degrees(math.asin(end / (end + 200.0))), rel=1e-6)
+    none = problem({"b": part(100.0)}, {"b.q": readings["b.q"], "b.volumetric_strain": growing})
+    (angle,) = [value for value in classical_values(none) if value.symbol == "φ_cs"]
+    assert angle.value is None
+    assert "no specimen is at its critical state at the end" in angle.why
+
+
+def test_no_power_of_stress_is_read_from_specimens_of_different_density() -> None:
+    parts = {
+        name: part(radial) | {"initial_void_ratio": e} for name, radial, e in (("a", 50.0, 0.6), ("b", 200.0, 0.9))
+    }
+    one = problem(parts, {"a.q": hyperbola(50.0), "b.q": hyperbola(200.0)})
+    (power,) = [value for value in classical_values(one) if value.symbol == "m"]
+    assert power.value is None
+    assert "void ratios from 0.6 to 0.9" in power.why
+    assert ("", "E₅₀ʳᵉᶠ") not in by_symbol(classical_values(one))
+
+
 @pytest.mark.parametrize("by", ["pore_pressure", "p"])
 def test_undrained_tests_are_evaluated_by_effective_stresses(by: str) -> None:
     """A pore pressure that grows to 60 kPa; q is the strength under the effective radial stress from 2 % on."""
