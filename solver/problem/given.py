@@ -36,7 +36,7 @@ def values_from(problem: Problem, given: Mapping[str, float]) -> dict[str, float
     parameters = problem.parameters.values()
     values = {p.name: p.initial for p in problem.free if p.initial is not None}
     values |= {p.name: p.value for p in parameters if isinstance(p, FixedParameter)} | dict(given)
-    pending = [p for p in parameters if isinstance(p, LinkedParameter)]
+    pending = [p for p in parameters if isinstance(p, LinkedParameter) and p.name not in given]
     while pending:  # ends: a problem with linked parameters in a circle is refused
         ready = [p for p in pending if p.expression.names <= values.keys()]
         values |= {p.name: float(p.expression.value(values)) for p in ready}

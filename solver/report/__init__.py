@@ -10,9 +10,11 @@
 ``folder``       the files of ``geoswarm run --output``, written and read again
 ``figures``      one module a figure (matplotlib), palette and sizes
 ``document``     what stands in a report, as HTML and PDF (need the ``plots`` extra)
+``compared``     another set of parameters, such as a published one, beside the result of a run
 ``compression``  the compression curve of a laboratory test: void ratio, or strain, at the ends of the stages over log
                  stress
 ``diagrams``     measured and calculated values of the diagrams that tests declare: one series over another
+``overlays``     several tests in one diagram: the curves of all that have the same axes, measured and calculated
 ``questions``    starting point of follow-ups, from the report of a run: parameters with all that is known about them
 ``slug``         a name as a part of a file name
 ``terms``        identified parameters of any law in the laboratory's terms, as the law declares them

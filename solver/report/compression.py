@@ -62,6 +62,15 @@ class CompressionCurve:
         return self.stress[np.searchsorted(self.stages, self.measured_stages)]
 
     @property
+    def axes(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Quantity and unit of x and of y."""
+        stress = "vertical effective stress σ′v" if self.confined else "mean effective stress p′"
+        x = ("vertical stress less back pressure" if self.total else stress, "kPa")
+        if self.void_ratio:
+            return x, ("void ratio e", "")
+        return x, ("axial strain" if self.confined else "volumetric strain", "%")
+
+    @property
     def gross_stress(self) -> FloatArray:
         """Stress of the gross errors, shape (q,), kPa."""
         return self.stress[np.searchsorted(self.stages, self.gross_stages)]

@@ -80,9 +80,7 @@ def diagrams_of(service: JobService, job_id: str) -> FitDiagrams:
 
 
 def _compression(curve: CompressionCurve) -> FitDiagram:
-    from geoswarm.solver.report.figures.compression_plot import axes_of_compression
-
-    (x_quantity, x_unit), (y_quantity, y_unit) = axes_of_compression(curve)
+    (x_quantity, x_unit), (y_quantity, y_unit) = curve.axes
     return FitDiagram(
         name=f"compression.{curve.part}" if curve.part else "compression",
         heading="Compression curve",

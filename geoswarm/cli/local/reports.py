@@ -29,6 +29,12 @@ __all__ = ["report_command"]
 @noise_option
 @click.option("--posterior", is_flag=True, help="Sample the posterior, too; takes seconds.")
 @click.option(
+    "--compare",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="SET",
+    help="File with another set of parameters ('phi_c: 33.1' a line), shown beside the result; of a folder only.",
+)
+@click.option(
     "--output",
     type=click.Path(file_okay=False, path_type=Path),
     metavar="DIR",
@@ -43,6 +49,7 @@ def report_command(
     threshold: float | None,
     noise: tuple[str, ...],
     posterior: bool,
+    compare: Path | None,
     output: Path | None,
     url: str,
     api_key: str | None,
@@ -62,8 +69,10 @@ def report_command(
     except OSError as error:
         raise BadInputError(f"--output {target}: {error.strerror}") from error
     view = {"threshold": threshold, "noise": known_noise(noise), "posterior": posterior}
+    if folder is None and compare is not None:
+        raise BadInputError("--compare is for the folder of a run; 'geoswarm export' and a run there, or leave it out")
     if folder is not None:
-        written = _of_folder(folder, target, view, html, pdf, figures)
+        written = _of_folder(folder, target, view | {"compare": compare}, html, pdf, figures)
     else:
         with connect(url, api_key, SLOW_ANSWER if posterior else 60.0) as client:
             written = _of_job(client, find_calibration(client, source).id, target, view, html, pdf, figures)
@@ -71,13 +80,17 @@ def report_command(
 
 
 def _of_folder(folder: Path, target: Path, view: dict[str, Any], html: bool, pdf: bool, figures: bool) -> list[Path]:
+    from geoswarm.solver.errors import ProblemError
     from geoswarm.solver.report.folder.reading import report_of_folder
 
     missing = figures_missing("geoswarm report")
     if missing:
         raise BadInputError(missing)
-    report = report_of_folder(folder, **view)
-    return report.save(target, html=html, pdf=pdf, figures=None if figures else ())
+    try:
+        report = report_of_folder(folder, **view)
+    except ProblemError as error:
+        raise BadInputError(f"--compare {view['compare']}: {'; '.join(map(str, error.issues))}") from error
+    return report.save(target, html=html, pdf=pdf, figures=report.figures.names if figures else ())
 
 
 def _of_job(

@@ -134,7 +134,7 @@ def write_output(result: CalibrationResult, folder: RunFolder, report: Report | 
     """Write all files of a result; without figures the tables only."""
     written = folder.finish(result, report)
     if report is not None and figures:
-        with counted(f"Writing the report and {len(report.figures.names)} figures to {folder.folder}") as told:
+        with counted(f"Writing the report and {len(report.figures.shown)} figures to {folder.folder}") as told:
             written += report.save(folder.folder, told=told)
     folder.complete()
     return written

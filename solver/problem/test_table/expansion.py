@@ -12,9 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.forward.one_material import OneMaterialSpec
 from geoswarm.solver.forward.registry import find_spec, parse_spec
-from geoswarm.solver.laws.initial_voids import voids_column
 from geoswarm.solver.problem.issues import describe
 from geoswarm.solver.problem.test_table.readings import SERIES, Curve, curves_of, loads_of, unknown_keys
 from geoswarm.solver.problem.test_table.rows import Row, rows_of
@@ -173,6 +171,9 @@ def _loaded(row: Row, curves: list[Curve]) -> dict[str, Any]:
 
 def _missing(row: Row, part: dict[str, Any], declared: frozenset[str]) -> Issue | None:
     """What the law needs to know of the test and the row does not say."""
+    from geoswarm.solver.forward.one_material import OneMaterialSpec
+    from geoswarm.solver.laws.initial_voids import voids_column  # with Numba, which other problems need not load
+
     try:
         spec = parse_spec(part)
     except ValidationError:  # told when all parts are checked

@@ -23,6 +23,7 @@ from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult
+from geoswarm.solver.report.compared import Compared
 from geoswarm.solver.report.document.content import Content, report_content
 from geoswarm.solver.report.document.html import html_fragment, html_report
 from geoswarm.solver.report.document.pdf import pdf_report
@@ -51,6 +52,8 @@ class Report:
         Known standard deviation of a reading, base units; that of the problem file when absent.
     uncertainty
         What follow-ups and a posterior sample have found; their sensitivities go before those from stored evaluations.
+    compared
+        Another set of parameters beside the result.
 
     Raises
     ------
@@ -68,6 +71,7 @@ class Report:
         linearisation: Linearisation | None = None,
         noise: Mapping[str, float] | float | None = None,
         uncertainty: Uncertainty = NOTHING_FURTHER,
+        compared: Compared | None = None,
     ) -> None:
         follow_up = follow_up_of(problem)
         if follow_up is not None and not follow_up.compares:  # its objectives compare with no reading
@@ -76,6 +80,7 @@ class Report:
         self.record = record
         self.samples = samples
         self.uncertainty = uncertainty
+        self.compared = compared
         self._linearisation, self._noise = linearisation, noise
         self.statistics: Statistics | None = None
         if samples.size:
@@ -107,6 +112,7 @@ class Report:
             linearisation=self._linearisation,
             noise=self._noise,
             uncertainty=self.uncertainty,
+            compared=self.compared,
         )
 
     @property
@@ -121,12 +127,12 @@ class Report:
     def figures(self) -> FigureSet:
         """The figures by name."""
         samples = self.samples if self.samples.size else None
-        return FigureSet(self.problem, self.record, samples, self.statistics, self.uncertainty)
+        return FigureSet(self.problem, self.record, samples, self.statistics, self.uncertainty, self.compared)
 
     @cached_property
     def content(self) -> Content:
         """What the report says."""
-        return report_content(self.problem, self.record, self.statistics, self.figures, self.uncertainty)
+        return report_content(self.problem, self.record, self.statistics, self.figures, self.uncertainty, self.compared)
 
     def html(self) -> str:
         """Return the page."""
@@ -153,13 +159,13 @@ class Report:
         figures: Sequence[str] | None = None,
         told: Callable[[int, int], None] = lambda _done, _of: None,
     ) -> list[Path]:
-        """Write figures (all unless named) as PNG, SVG and CSV, report.html and report.pdf; return the files.
+        """Write figures (those of the report unless named) as PNG, SVG and CSV, and the reports; return the files.
 
         ``told``: is called with how many figures and reports are written, and of how many.
         """
         reports: list[Path] = []
         written: list[Path] = []
-        names = self.figures.names if figures is None else figures
+        names = self.figures.shown if figures is None else figures
         of = len(names) + html + pdf
         for done, name in enumerate(names):
             told(done, of)

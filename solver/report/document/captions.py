@@ -53,6 +53,12 @@ CAPTIONS: dict[str, tuple[str, str, bool]] = {
     "sketch": ("The test", "The specimen or the ground, and the loading programme.", True),
     "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
     "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),
+    "tests": (
+        "All tests",
+        "Marks: readings, at most 30 of a test; lines: the best evaluation; dashed: the set of parameters that is "
+        "compared with, if there is one.",
+        True,
+    ),
     "compression": (
         "Compression curve",
         "State at the end of each stage over the logarithm of stress: the last reading of the stage and the best "

@@ -13,6 +13,7 @@ from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.stored.verdict_words import where_intervals_hold
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
+from geoswarm.solver.report.compared import Compared
 from geoswarm.solver.report.curves import objective_unit
 from geoswarm.solver.report.document.captions import CAPTIONS
 from geoswarm.solver.report.document.laboratory import laboratory_tables
@@ -20,7 +21,7 @@ from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
 from geoswarm.solver.report.document.residual_table import residual_table
 from geoswarm.solver.report.document.scope import not_modelled
-from geoswarm.solver.report.document.series_table import series_table
+from geoswarm.solver.report.document.series_table import comparison_table, series_table
 from geoswarm.solver.report.document.uncertainty_tables import left_out_table, uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
@@ -65,6 +66,7 @@ def report_content(
     statistics: Statistics | None,
     figures: FigureSet,
     uncertainty: Uncertainty = NOTHING_FURTHER,
+    compared: Compared | None = None,
 ) -> Content:
     """Put together what a report says.
 
@@ -78,6 +80,8 @@ def report_content(
         Those that can be drawn.
     uncertainty
         What follow-ups and a posterior sample have found.
+    compared
+        Another set of parameters beside the result.
     """
     labels = parameter_labels(problem)
     unit = objective_unit(problem)
@@ -115,8 +119,8 @@ def report_content(
                 ),
             )
         ),
-        pictures=tuple(_picture(figures, name) for name in figures.names),
-        tables=tuple(_tables(problem, record, statistics, labels, uncertainty)),
+        pictures=tuple(_picture(figures, name) for name in figures.shown),
+        tables=tuple(_tables(problem, record, statistics, labels, uncertainty, compared)),
         provenance=tuple(_provenance(problem, record).items()),
         problem=_listing(_short(problem.document())),
         figures=figures,
@@ -199,6 +203,7 @@ def _tables(
     statistics: Statistics | None,
     labels: dict[str, ParameterLabel],
     uncertainty: Uncertainty,
+    compared: Compared | None,
 ) -> list[Table]:
     tables = []
     best = record.best
@@ -206,6 +211,8 @@ def _tables(
         tables.append(_parameter_table(problem, best, statistics, labels, uncertainty))
         tables += _laboratory_tables(problem, best, statistics, _polished(uncertainty, best))
         tables.append(series_table(problem, best))
+        if compared is not None:
+            tables.append(comparison_table(problem, best, compared))
     if statistics is not None and len(statistics.pearson.names) > 1 and follow_up_of(problem) is None:
         tables.append(_correlation_table(statistics, labels))
     if statistics is not None:

@@ -6,8 +6,8 @@
                         each
 ``cross_section_plot``  figures of a body: its mesh, its deformed mesh, and displacement vectors measured against
                         calculated
-``diagram_plot``        figure of a diagram that engineers draw of a test: measured and calculated, one quantity over
-                        another
+``diagram_plot``        figures of diagrams that engineers draw of a test, and of several tests in one: measured and
+                        calculated
 ``extent``              limits of axes that can be drawn, whatever numbers they come from: finite, and different from
                         each other
 ``figure_set``          the figures of a run by name: each is drawn when it is asked for, as SVG, PNG, or the numbers

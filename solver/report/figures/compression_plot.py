@@ -24,7 +24,7 @@ from geoswarm.solver.report.figures.style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["axes_of_compression", "compression_figure", "compression_rows"]
+__all__ = ["compression_figure", "compression_rows"]
 
 _BEYOND = 1.01
 
@@ -53,7 +53,7 @@ def compression_figure(title: str, curve: CompressionCurve) -> Figure:
         plain_ticks(axes, "y", log=False, most=7)
         if not curve.void_ratio:
             axes.invert_yaxis()
-        across, up = axes_of_compression(curve)
+        across, up = curve.axes
         axes.set_xlabel(with_unit(*across))
         axes.set_ylabel(with_unit(*up))
         finish(axes)
@@ -63,7 +63,7 @@ def compression_figure(title: str, curve: CompressionCurve) -> Figure:
 
 def compression_rows(curve: CompressionCurve) -> tuple[list[str], list[list[object]]]:
     """Return header and rows of the figure's numbers: the initial state, then one row a stage."""
-    quantity, unit = _quantity(curve)
+    quantity, unit = curve.axes[1]
     measured = dict(zip(curve.measured_stages.tolist(), curve.measured.tolist(), strict=True))
     struck = dict(zip(curve.gross_stages.tolist(), curve.gross.tolist(), strict=True))
     header = ["stage", "stress_kPa", "quantity", "unit", "measured", "calculated"]
@@ -77,15 +77,3 @@ def compression_rows(curve: CompressionCurve) -> tuple[list[str], list[list[obje
         header.append("gross error")
         rows = [[*row, struck.get(stage)] for stage, row in zip(curve.stages.tolist(), rows, strict=True)]
     return header, rows
-
-
-def axes_of_compression(curve: CompressionCurve) -> tuple[tuple[str, str], tuple[str, str]]:
-    """Quantity and unit of x and of y."""
-    stress = "vertical effective stress σ′v" if curve.confined else "mean effective stress p′"
-    return ("vertical stress less back pressure" if curve.total else stress, "kPa"), _quantity(curve)
-
-
-def _quantity(curve: CompressionCurve) -> tuple[str, str]:
-    if curve.void_ratio:
-        return "void ratio e", ""
-    return ("axial strain" if curve.confined else "volumetric strain"), "%"

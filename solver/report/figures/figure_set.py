@@ -16,6 +16,7 @@ from geoswarm.solver.identifiability.prediction.bands import Prediction
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.worth.outcome import Design
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.compared import Compared
 from geoswarm.solver.report.compression import CompressionCurve, compression_curves
 from geoswarm.solver.report.curves import SeriesCurve, initial_values, objective_unit, series_curves
 from geoswarm.solver.report.diagrams import DiagramCurve, diagram_curves
@@ -25,7 +26,12 @@ from geoswarm.solver.report.figures.construction_plot import (
     construction_figure,
     construction_rows,
 )
-from geoswarm.solver.report.figures.diagram_plot import diagram_figure, diagram_rows
+from geoswarm.solver.report.figures.diagram_plot import (
+    diagram_figure,
+    diagram_rows,
+    overlay_figure,
+    overlay_rows,
+)
 from geoswarm.solver.report.figures.fit_plot import (
     MOST_BELOW_EACH_OTHER,
     fit_figure,
@@ -48,6 +54,7 @@ from geoswarm.solver.report.figures.uncertainty_plots import (
     profile_rows,
     profiles_figure,
 )
+from geoswarm.solver.report.overlays import Overlay, overlays
 from geoswarm.solver.report.record import RunRecord
 from geoswarm.solver.report.slug import slug
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
@@ -58,6 +65,9 @@ if TYPE_CHECKING:
 
 __all__ = ["FigureSet"]
 
+_MANY_TESTS = 4
+"""Tests in one diagram from which on a report has no figure for each of them."""
+
 Rows = tuple[list[str], list[list[object]]]
 
 
@@ -67,8 +77,9 @@ class FigureSet:
     ``names`` are, as far as there is anything to show: matrix, intervals, profiles, posterior, global_sensitivity,
     prediction.NAME (one each), design,
     sketch (of a test; sketch.PART of each of several), fit, stages.SERIES (one a series that was measured during
-    several loads), compression (of a laboratory test; compression.PART of each of several), those that a test
-    declares (stress_path, shear_modulus, compression_line), classical (constructions on the readings), convergence,
+    several loads), tests (diagrams that several tests have), compression (of a laboratory test; compression.PART of
+    each of several), those that a test declares (stress_path, shear_modulus, compression_line), classical
+    (constructions on the readings), convergence,
     traces. A follow-up has neither matrix nor the progress of a search.
 
     Parameters
@@ -79,6 +90,8 @@ class FigureSet:
         Successful evaluations and their statistics; None where there are none.
     uncertainty
         What follow-ups and a posterior sample have found.
+    compared
+        Another set of parameters, whose curves are drawn, too.
     """
 
     def __init__(
@@ -88,7 +101,9 @@ class FigureSet:
         samples: Samples | None,
         statistics: Statistics | None,
         uncertainty: Uncertainty = NOTHING_FURTHER,
+        compared: Compared | None = None,
     ) -> None:
+        self._compared = compared
         self._problem = problem
         self._record = record
         self._samples = samples
@@ -153,7 +168,16 @@ class FigureSet:
         for part, sketch in self._sketches.items():
             makers[part] = _sketch(title, part, sketch)
         if self._record.best is not None:
-            makers["fit"] = (lambda: fit_figure(f"{title}: fit", self._curves), lambda: fit_rows(self._curves))
+            other = self._other
+            makers["fit"] = (
+                lambda: fit_figure(f"{title}: fit", self._curves, other),
+                lambda: fit_rows(self._curves),
+            )
+            if self._overlays:
+                makers["tests"] = (
+                    lambda: overlay_figure(f"{title}: all tests", self._overlays, other[0] if other else ""),
+                    lambda: overlay_rows(self._overlays),
+                )
             for curve in self._curves:
                 if has_stages(curve):
                     makers[f"stages.{curve.series}"] = _stages(title, curve)
@@ -198,6 +222,34 @@ class FigureSet:
         best = self._record.best
         found = () if best is None else diagram_curves(self._problem, best.parameters)
         return {f"{one.diagram.name}.{one.part}" if one.part else one.diagram.name: one for one in found}
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """Names of the figures of a report: without those of single tests that the figure of all tests shows."""
+        many = {
+            f"{one.name}.{line.test}" for one in self._overlays if len(one.lines) >= _MANY_TESTS for line in one.lines
+        }
+        return tuple(name for name in self.names if name not in many)
+
+    @cached_property
+    def _overlays(self) -> tuple[Overlay, ...]:
+        """Diagrams that several tests have."""
+        if self._record.best is None:
+            return ()
+        other: tuple[Overlay, ...] = ()
+        if self._compared is not None and self._other is not None:
+            values = self._compared.fit.parameters
+            further = diagram_curves(self._problem, values), compression_curves(self._problem, values, None)
+            other = overlays(self._other[1], *further)
+        return overlays(self._curves, self._diagrams.values(), self._compression, other)
+
+    @cached_property
+    def _other(self) -> tuple[str, list[SeriesCurve]] | None:
+        """Name and curves of the other set of parameters."""
+        if self._compared is None:
+            return None
+        fit = self._compared.fit
+        return self._compared.name, [c.thinned() for c in series_curves(self._problem, fit.responses, fit.parameters)]
 
     @property
     def fit_is_wide(self) -> bool:

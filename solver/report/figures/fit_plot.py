@@ -14,6 +14,7 @@ from geoswarm.solver.report.figures.style import (
     GREEN,
     GRID,
     MUTED,
+    ORANGE,
     drawing,
     finish,
     head,
@@ -39,7 +40,9 @@ _FEWEST = 3
 _MOST_STAGES = 24
 
 
-def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
+def fit_figure(
+    title: str, curves: Sequence[SeriesCurve], other: tuple[str, Sequence[SeriesCurve]] | None = None
+) -> Figure:
     """Draw measured points, the initial and the identified curve of every series, with the residuals below each.
 
     Parameters
@@ -49,6 +52,8 @@ def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
     curves
         Series in the user's units; compression is positive and drawn upwards, as in the data, but for settlements. An
         axis is logarithmic when half of the points would be crowded into its first 2 %.
+    other
+        Name and curves of another set of parameters, in the same order.
     """
     from matplotlib.figure import Figure
 
@@ -62,6 +67,9 @@ def fit_figure(title: str, curves: Sequence[SeriesCurve]) -> Figure:
             row, column = divmod(index, columns)
             upper = figure.add_subplot(grid[2 * row, column])
             lower = figure.add_subplot(grid[2 * row + 1, column], sharex=upper)
+            if other is not None:
+                line = other[1][index]
+                upper.plot(line.x, line.y, color=ORANGE, linewidth=1.2, linestyle="--", label=other[0], zorder=2)
             _fit(upper, curve)
             _residuals(lower, curve)
             for axes in (upper, lower):

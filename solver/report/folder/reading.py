@@ -20,6 +20,7 @@ from geoswarm.solver.identifiability.stored.posterior import sample_posterior
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.progress.result import GenerationRecord
+from geoswarm.solver.report.compared import compared_with, read_set
 from geoswarm.solver.report.document.build import Report, linearise_stored
 from geoswarm.solver.report.folder.folder_findings import evaluations_of_folder, findings_of_folder
 from geoswarm.solver.report.folder.folder_tables import column, read_table
@@ -116,6 +117,7 @@ def report_of_folder(
     threshold: float | None = None,
     noise: Mapping[str, float] | float | None = None,
     posterior: bool = False,
+    compare: Path | None = None,
 ) -> Report:
     """Make the report of a run that was written to a folder, with what its follow-ups have found.
 
@@ -127,11 +129,15 @@ def report_of_folder(
         Known standard deviation of a reading, base units.
     posterior
         Sample the posterior, too.
+    compare
+        File with another set of parameters, to be shown beside the result.
 
     Raises
     ------
     FolderError
         When a file is missing or cannot be read.
+    ProblemError
+        When the other set has mistakes.
     StatisticsError
         When threshold or noise are wrong, or no posterior sample can be had.
     """
@@ -148,6 +154,7 @@ def report_of_folder(
         linearisation=found,
         noise=noise,
         uncertainty=Uncertainty(findings, sample),
+        compared=None if compare is None else compared_with(problem, *read_set(compare)),
     )
 
 

@@ -1,0 +1,77 @@
+"""Another set of parameters, such as a published one, beside the result of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.given import values_from
+from geoswarm.solver.problem.issues import describe
+from geoswarm.solver.problem.text.reading import read_problem_file
+from geoswarm.solver.report.record import BestFit
+from geoswarm.solver.words import did_you_mean
+
+__all__ = ["Compared", "compared_with", "read_set"]
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """A set of parameters by its name, and how it fits the readings."""
+
+    name: str
+    fit: BestFit
+
+
+def read_set(path: Path) -> tuple[str, dict[str, Any]]:
+    """Name and values of a set in a YAML or JSON file: ``phi_c: 33.1`` a line, below ``parameters:`` or not.
+
+    Raises
+    ------
+    ProblemError
+        The file cannot be read.
+    """
+    document = read_problem_file(path)
+    values = document.get("parameters", document)
+    if not isinstance(values, dict):
+        raise ProblemError([Issue("parameters", f"must be a mapping of numbers by name, got {describe(values)}")])
+    name = document.get("name", path.stem)
+    return str(name), {key: value for key, value in values.items() if values is not document or key != "name"}
+
+
+def compared_with(problem: Problem, name: str, given: Mapping[str, Any]) -> Compared:
+    """Calculate the readings with a set of parameters.
+
+    Fixed and linked parameters that it does not name are those of the problem; one that it names is as it says, also
+    outside the bounds of the search.
+
+    Raises
+    ------
+    ProblemError
+        A parameter is unknown or missing, a value is no number, or the calculation fails.
+    """
+    issues, known = [], ", ".join(problem.parameters)
+    values: dict[str, float] = {}
+    for key, value in given.items():
+        number = value.get("value") if isinstance(value, Mapping) else value
+        if key not in problem.parameters:
+            hint = did_you_mean(key, problem.parameters)
+            issues.append(Issue(key, f"the problem has no such parameter{hint}; it has {known}"))
+        elif isinstance(number, bool) or not isinstance(number, int | float):
+            issues.append(Issue(key, f"must be a number, got {describe(value)}"))
+        else:
+            values[key] = float(number)
+    if missing := [one.name for one in problem.free if one.name not in given]:
+        issues.append(Issue("", f"the set must give every free parameter; {', '.join(missing)} is missing"))
+    if issues:
+        raise ProblemError(issues)
+    evaluation = Calibration(problem, problem.seed or 0).evaluate_values(values_from(problem, values))
+    if evaluation.objective is None:
+        raise ProblemError([Issue("", f"the calculation with this set failed: {evaluation.message}")])
+    whole = values_from(problem, values)
+    fit = BestFit(-1, -1, evaluation.objective, whole, dict(evaluation.misfits), dict(evaluation.responses))
+    return Compared(name, fit)
