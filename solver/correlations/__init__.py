@@ -6,7 +6,7 @@
 ``correlation``       one correlation: equation, source, range of validity, scatter
 ``compressibility``   Cc, Cs, C_alpha and C_k
 ``strength``          friction angle, K0 and undrained strength
-``relative_density``  stiffness and strength of sand by its relative density
+``relative_density``  stiffness and strength of sand by its relative density; limits of its void ratio
 ``catalogue``         all of them, and what they say about one soil
 ====================  ==========================================================================
 """

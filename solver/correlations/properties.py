@@ -25,6 +25,8 @@ class IndexProperties:
         Density of the solids over that of water.
     relative_density
         Of sand, in per cent: 0 the loosest, 100 the densest state.
+    min_void_ratio, max_void_ratio
+        Of sand, in its densest and its loosest state by index tests.
     soil_class
         Where it is known.
     """
@@ -36,6 +38,8 @@ class IndexProperties:
     void_ratio: float | None = None
     specific_gravity: float = 2.7
     relative_density: float | None = None
+    min_void_ratio: float | None = None
+    max_void_ratio: float | None = None
     soil_class: SoilClass | None = None
 
     @property
@@ -53,7 +57,7 @@ class IndexProperties:
         return self.void_ratio
 
     def value(self, name: str) -> float | None:
-        """One of them by the name that correlations use: w_L, I_P, w_n, e_0, G_s or D_r."""
+        """One of them by the name that correlations use: w_L, I_P, w_n, e_0, G_s, D_r, e_min or e_max."""
         return {
             "w_L": self.liquid_limit,
             "I_P": self.plasticity,
@@ -61,4 +65,6 @@ class IndexProperties:
             "e_0": self.voids,
             "G_s": self.specific_gravity,
             "D_r": self.relative_density,
+            "e_min": self.min_void_ratio,
+            "e_max": self.max_void_ratio,
         }[name]

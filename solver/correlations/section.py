@@ -45,6 +45,12 @@ class IndexSection(Section):
     relative_density: float | None = Field(
         None, ge=0.0, le=100.0, description="relative density of sand, per cent", json_schema_extra=_per_cent(0, 100)
     )
+    min_void_ratio: float | None = Field(
+        None, gt=0.0, le=5.0, description="void ratio of sand in its densest state by index tests, e_min"
+    )
+    max_void_ratio: float | None = Field(
+        None, gt=0.0, le=5.0, description="void ratio of sand in its loosest state by index tests, e_max"
+    )
     soil_class: SoilClass | None = Field(
         None, description="class by which creep is estimated; clay stands for silt, too"
     )
@@ -67,6 +73,9 @@ class IndexSection(Section):
                 )
         elif w_L is not None and I_P is not None and not w_L > I_P:
             raise ValueError(f"plasticity_index must be below liquid_limit = {w_L:g} %, got {I_P:g} %")
+        low, high = self.min_void_ratio, self.max_void_ratio
+        if low is not None and high is not None and not low < high:
+            raise ValueError(f"max_void_ratio must be above min_void_ratio = {low:g}, got {high:g}")
         return self
 
     def properties(self) -> IndexProperties:

@@ -30,7 +30,7 @@ __all__ = [
 ]
 
 _CONFINED = ("oedometer", "consolidation", "crs_oedometer")
-_OWN = ("C_k",)
+_OWN = ("C_k", "e_d0", "e_c0", "e_i0")
 """Quantities that are parameters of their own name, of whatever law."""
 
 

@@ -36,6 +36,8 @@ _ANGLE = 5.0
 """Bounds of angles: so many degrees beyond them."""
 _DENSER = 0.2
 """Least part that h_s has of its value by a specimen that is denser than the loosest state."""
+_VOIDS, _OF_VOIDS = ("e_d0", "e_c0", "e_i0"), 1.15
+"""Bounds of limiting void ratios: this factor beyond the smallest and the largest candidate."""
 _PAST = ("OCR", "POP")
 
 
@@ -97,7 +99,7 @@ def proposed(problem: Problem) -> tuple[Proposed, ...]:
     """Propose a section for every free parameter of the problem's laws, and for an initial preconsolidation.
 
     An estimate (``initial``) is the median of what was read, else of what the index properties let expect. Bounds lie
-    a factor of 2, or 5 degrees, beyond all candidates, within what is admissible.
+    a factor of 2 (limiting void ratios: 1.15), or 5 degrees, beyond all candidates, within what is admissible.
     """
     infos = {info.name: info for info in problem.model.parameters}
     found = candidates_of(problem)
@@ -211,6 +213,8 @@ def _section(info: ParameterInfo, candidates: Sequence[Candidate]) -> dict[str, 
         low, high = lowest - _ANGLE, highest + _ANGLE
     elif info.unit == "kPa" and name in ("c", "POP"):
         low, high = 0.0, _FACTOR * highest
+    elif name in _VOIDS:
+        low, high = lowest / _OF_VOIDS, highest * _OF_VOIDS
     elif name == "OCR":
         low, high = 1.0, _FACTOR * highest
     else:

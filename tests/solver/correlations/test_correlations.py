@@ -95,3 +95,10 @@ def test_every_correlation_says_where_it_is_from_and_for_which_range() -> None:
         assert len(one.valid) == len(one.needs)
         assert all(low < high for low, high in one.valid)
     assert correlated(IndexProperties()) == ()
+
+
+def test_limiting_void_ratios_of_sand_by_index_tests() -> None:
+    """Hochstetten sand: e_min 0.55, e_max 0.95; e_d0, e_c0, e_i0 of Herle & Gudehus (1999) are 0.55, 0.95, 1.05."""
+    soil = IndexProperties(min_void_ratio=0.55, max_void_ratio=0.95)
+    found = {one.correlation.quantity: one.value for one in correlated(soil)}
+    assert found == pytest.approx({"e_d0": 0.55, "e_c0": 0.95, "e_i0": 1.05}, rel=0.05)

@@ -101,6 +101,7 @@ def test_the_section_is_part_of_the_document_where_it_is_given() -> None:
         ),
         ({"plasticity_index": 70.0, "liquid_limit": 65.0}, "must be below liquid_limit = 65 %, got 70 %"),
         ({"relative_density": 120.0}, "index_properties.relative_density"),
+        ({"min_void_ratio": 0.9, "max_void_ratio": 0.6}, "max_void_ratio must be above min_void_ratio = 0.9, got 0.6"),
     ],
 )
 def test_index_properties_that_cannot_be_are_refused(given: dict[str, Any], message: str) -> None:
