@@ -8,7 +8,7 @@
 ``load_stages``    c_v and C_alpha of single stages
 ``constant_rate``  compression curve and c_v of a test at constant rate of strain
 ``triaxial``       stresses at failure and E50 of triaxial tests
-``granular``       h_s and n of hypoplastic sand, from the loosest specimen
+``granular``       hypoplastic sand: h_s and n of the loosest specimen, alpha of peaks, beta of the densest
 ``simple_shear``   friction angle and undrained strength of simple shear tests
 ``classical``      all of these for a problem, for its readings or a calculated curve
 ``index``          what index properties let expect of the parameters of a problem

@@ -1,10 +1,11 @@
-"""Granulate hardness and exponent of hypoplastic sand, from the compression of the loosest specimen."""
+"""Parameters of hypoplastic sand: h_s and n of the loosest specimen, alpha of peaks, beta of the densest one."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 
@@ -14,43 +15,163 @@ from geoswarm.solver.classical.errors import NoEvaluationError
 from geoswarm.solver.classical.straight import straight_line
 from geoswarm.solver.estimates.compression import CompressionReadings, compression_readings
 from geoswarm.solver.estimates.stage_ends import load_tests
+from geoswarm.solver.estimates.triaxial import sheared_specimen
+from geoswarm.solver.forward.combined import parts_of
+from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
 from geoswarm.solver.problem import Problem
 
-__all__ = ["Hardness", "bauer_fit", "hardness_of"]
+__all__ = ["Read", "alpha_at_peak", "alphas_of", "bauer_fit", "beta_of", "hardness_of", "stiffness_exponent"]
 
 _FEWEST = 4
 """Readings of first loading through which a law of three constants is drawn."""
 _EXPONENTS = np.linspace(0.05, 1.0, 951)
+_DENSE = 0.8
+"""Largest (e - e_d)/(e_c - e_d) at a peak that shows alpha: at looser states a small error of e changes it much."""
 _USUAL_ANGLE = 33.0
 """Critical friction angle, degree, for the earth pressure at rest, where none is known."""
 
 
 @dataclass(frozen=True, slots=True)
-class Hardness:
-    """h_s [kPa], n, and what they were read from."""
+class Read:
+    """The value of a parameter, and what it was read from."""
 
-    h_s: float
-    n: float
+    name: str
+    value: float
     source: str
 
 
-def hardness_of(problem: Problem, known: Mapping[str, float]) -> Hardness | None:
-    """h_s and n from first loading of the specimen with the largest void ratio; None where it shows none.
+def hardness_of(problem: Problem, known: Mapping[str, float]) -> tuple[Read, ...]:
+    """h_s [kPa] and n from first loading of the specimen with the largest void ratio; nothing where it shows none.
 
     The mean stress of an oedometer is that at rest, K0 = 1 - sin(phi_c), with ``phi_c`` [degree] among ``known``.
     """
-    read = [one for test in load_tests(problem) if (one := compression_readings(problem, test)) is not None]
-    read = [one for one in read if one.void_ratio is not None]
+    read = _compressed(problem)
     if not read:
-        return None
-    loose = max(read, key=lambda one: one.void_ratio or 0.0)
+        return ()
+    loose = max(read, key=_voids)
     try:
         h_s, n, _ = bauer_fit(*_first_loading(loose, known.get("phi_c", _USUAL_ANGLE)))
     except NoEvaluationError:
-        return None
-    test = f"{loose.part}: " if loose.part else ""
-    how = f"{test}Bauer's law through first loading, e = {loose.void_ratio:.3g}; Herle & Gudehus (1999)"
-    return Hardness(h_s, n, how)
+        return ()
+    how = f"{_of(loose.part)}Bauer's law through first loading, e = {_voids(loose):.3g}; Herle & Gudehus (1999)"
+    return Read("h_s", h_s, how), Read("n", n, how)
+
+
+def alphas_of(problem: Problem, known: Mapping[str, float]) -> Iterator[Read]:
+    """alpha from the peak of each dense specimen that was sheared drained, its volume read.
+
+    ``known`` are the other parameters; nothing where phi_c, h_s, n, e_d0 or e_c0 is missing.
+    """
+    if not {"phi_c", "h_s", "n", "e_d0", "e_c0"} <= known.keys():
+        return
+    for part in parts_of(problem.forward_model, problem.model):
+        if not isinstance(part.spec, TriaxialSpec):
+            continue
+        try:
+            one = sheared_specimen(problem, part)
+        except NoEvaluationError:
+            continue
+        if not one.drained or one.void_ratio is None or one.peak_volume is None:
+            continue
+        major, minor = one.failure
+        e = one.void_ratio - (1.0 + one.void_ratio) * one.peak_volume
+        density = _density(known, e, (major + 2.0 * minor) / 3.0)
+        value = alpha_at_peak(major / minor, known["phi_c"], density) if 0.0 < density < _DENSE else 0.0
+        if value > 0.0:
+            yield Read("alpha", value, f"{_of(one.part)}peak of q; Herle & Gudehus (1999)")
+
+
+def alpha_at_peak(ratio: float, phi_c: float, density: float) -> float:
+    """alpha by the axial over the radial stress at a peak: there the law has a strain rate without a stress rate.
+
+    With L and N of the law (von Wolffersdorff 1996), ``f_d |L^-1 N| = 1`` and ``f_d = density^alpha``: the same as the
+    closed form of Herle & Gudehus (1999). Below 0 where the ratio is not above that of the critical state.
+
+    Parameters
+    ----------
+    density
+        (e - e_d)/(e_c - e_d) at the peak, above 0 and below 1.
+    """
+    a = _a(phi_c)
+    stress = np.array([ratio, 1.0, 1.0]) / (ratio + 2.0)
+    n = a * (2.0 * stress - 1.0 / 3.0)
+    direction = n - a**2 * stress * float(stress @ n) / (1.0 + a**2 * float(stress @ stress))
+    return -math.log(float(np.linalg.norm(direction))) / math.log(density)
+
+
+def beta_of(problem: Problem, known: Mapping[str, float]) -> tuple[Read, ...]:
+    """beta from the stiffness of the densest specimen in first loading of an oedometer; nothing without one.
+
+    ``known`` are the other parameters; nothing where one of them is missing.
+    """
+    read = [one for one in _compressed(problem) if one.confined]
+    if not read or not {"phi_c", "h_s", "n", "e_d0", "e_c0", "e_i0", "alpha"} <= known.keys():
+        return ()
+    dense = min(read, key=_voids)
+    logarithm, e = first_loading(dense.stress, dense.y)
+    found = stiffness_exponent(10.0**logarithm, e, known)
+    if not found > 0.0:
+        return ()
+    how = f"{_of(dense.part)}stiffness in first loading, e = {_voids(dense):.3g}; Herle & Gudehus (1999)"
+    return (Read("beta", found, how),)
+
+
+def stiffness_exponent(stress: FloatArray, e: FloatArray, known: Mapping[str, float]) -> float:
+    """beta of readings of an oedometer: the median of all steps, nan without one.
+
+    The stiffness of the law without lateral strain, at K0 = 1 - sin(phi_c), is that with beta = 0 times (e_i/e)^beta.
+
+    Parameters
+    ----------
+    stress, e
+        Vertical stress, kPa, rising, and void ratio, shape (k,).
+    """
+    phi_c, alpha = known["phi_c"], known["alpha"]
+    a, at_rest = _a(phi_c), 1.0 - math.sin(math.radians(phi_c))
+    vertical = 1.0 / (1.0 + 2.0 * at_rest)
+    square = (1.0 + 2.0 * at_rest**2) * vertical**2
+    widest = (known["e_i0"] - known["e_d0"]) / (known["e_c0"] - known["e_d0"])
+    values = []
+    for low, high, before, after in zip(stress, stress[1:], e, e[1:], strict=False):
+        p, middle = math.sqrt(low * high) * (1.0 + 2.0 * at_rest) / 3.0, 0.5 * (before + after)
+        e_i = known["e_i0"] * _shrunk(known, p)
+        f_d = max(_density(known, middle, p), 0.0) ** alpha
+        barotropy = known["h_s"] / known["n"] * (1.0 + e_i) / e_i * (3.0 * p / known["h_s"]) ** (1.0 - known["n"])
+        barotropy /= 3.0 + a**2 - a * math.sqrt(3.0) * widest**alpha
+        plain = barotropy * (1.0 + (a * vertical) ** 2 - f_d * a * (2.0 * vertical - 1.0 / 3.0)) / square
+        strain = math.log((1.0 + before) / (1.0 + after))
+        if strain > 0.0 and plain > 0.0 and middle < e_i:
+            values.append(math.log((high - low) / strain / plain) / math.log(e_i / middle))
+    return median(values) if values else math.nan
+
+
+def _a(phi_c: float) -> float:
+    sine = math.sin(math.radians(phi_c))
+    return math.sqrt(3.0) * (3.0 - sine) / (2.0 * math.sqrt(2.0) * sine)
+
+
+def _shrunk(known: Mapping[str, float], p: float) -> float:
+    """Limiting void ratios under a mean stress over those at none."""
+    return math.exp(-((3.0 * p / known["h_s"]) ** known["n"]))
+
+
+def _density(known: Mapping[str, float], e: float, p: float) -> float:
+    """(e - e_d)/(e_c - e_d) under a mean stress."""
+    shrunk = _shrunk(known, p)
+    return (e / shrunk - known["e_d0"]) / (known["e_c0"] - known["e_d0"])
+
+
+def _compressed(problem: Problem) -> list[CompressionReadings]:
+    read = [one for test in load_tests(problem) if (one := compression_readings(problem, test)) is not None]
+    return [one for one in read if one.void_ratio is not None]
+
+
+def _voids(read: CompressionReadings) -> float:
+    return read.void_ratio or 0.0
+
+
+def _of(part: str) -> str:
+    return f"{part}: " if part else ""
 
 
 def _first_loading(read: CompressionReadings, phi_c: float) -> tuple[FloatArray, FloatArray]:

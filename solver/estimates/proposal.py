@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.estimates.classical import classical_values
-from geoswarm.solver.estimates.granular import hardness_of
+from geoswarm.solver.estimates.granular import alphas_of, beta_of, hardness_of
 from geoswarm.solver.estimates.index import (
     ParameterEstimate,
     TestOfLaw,
@@ -26,7 +26,7 @@ from geoswarm.solver.estimates.usual import is_wide, usual_section, wanted
 from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.parameter_info import ParameterInfo
-from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem
+from geoswarm.solver.problem import FixedParameter, FreeParameter, LinkedParameter, Problem
 
 __all__ = ["Candidate", "Proposed", "candidates_of", "of_correlation", "proposed", "with_parameters"]
 
@@ -119,12 +119,12 @@ def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
     for test in soils_of(problem.forward_model, problem.model):
         known = term_known(test, test.own(fixed), soil)
         _gather(found, problem, test, [*_read(test, read, known), *_past(test, read)])
-        if "h_s" in test.parameters:
-            angle = [one.value for one in found.get(full_name(problem, test, "phi_c"), ())]
-            _gather(found, problem, test, _hardness(problem, test.own(fixed) | ({"phi_c": angle[0]} if angle else {})))
     for test, known_index in with_index(problem.forward_model, problem.model, soil):
         told = index_estimates(test, test.own(fixed), known_index)
         _gather(found, problem, test, [(one.parameter, of_correlation(one)) for one in told if not one.told.outside])
+    for test in soils_of(problem.forward_model, problem.model):
+        if "h_s" in test.parameters:
+            _gather_sand(found, problem, test)
     return found
 
 
@@ -180,12 +180,25 @@ def _read(
             yield term.parameter, Candidate(found, (found, found), source, True)
 
 
-def _hardness(problem: Problem, known: Mapping[str, float]) -> Iterator[tuple[str, Candidate]]:
-    """h_s and n of hypoplastic sand: the denser the loosest specimen, the more it overestimates h_s."""
-    found = hardness_of(problem, known)
-    if found is not None:
-        yield "h_s", Candidate(found.h_s, (_DENSER * found.h_s, found.h_s), found.source, True)
-        yield "n", Candidate(found.n, (found.n, found.n), found.source, True)
+def _gather_sand(found: dict[str, list[Candidate]], problem: Problem, test: TestOfLaw) -> None:
+    """Put what is read of hypoplastic sand under its names, each with what was read before: h_s and n, alpha, beta."""
+    for evaluate in (hardness_of, alphas_of, beta_of):
+        for one in evaluate(problem, _known(problem, test, found)):
+            lowest = one.value * (_DENSER if one.name == "h_s" else 1.0)
+            _gather(found, problem, test, [(one.name, Candidate(one.value, (lowest, one.value), one.source, True))])
+
+
+def _known(problem: Problem, test: TestOfLaw, found: Mapping[str, Sequence[Candidate]]) -> dict[str, float]:
+    """Parameters of a test as far as they are fixed, have candidates, or follow from such."""
+    values: dict[str, float] = {}
+    for name in test.parameters:
+        candidates = found.get(full_name(problem, test, name), ())
+        read = [one.value for one in candidates if one.reading] or [one.value for one in candidates]
+        values |= {name: median(read)} if read else {}
+    fixed = {name: p.value for name, p in problem.parameters.items() if isinstance(p, FixedParameter)}
+    values |= test.own(fixed)
+    linked = [p for p in problem.parameters.values() if isinstance(p, LinkedParameter)]
+    return values | {p.name: float(p.expression.value(values)) for p in linked if p.expression.names <= values.keys()}
 
 
 def _past(test: TestOfLaw, read: Sequence[ClassicalValue]) -> Iterator[tuple[str, Candidate]]:

@@ -53,6 +53,8 @@ class Sheared:
         Secant modulus at half the strength; None where the readings do not show it.
     dilatancy
         Angle at failure, degree; None: not drained, or no volumetric strain was read there.
+    peak_volume
+        Volumetric strain where q is largest; None: not drained, or not read.
     settled
         Whether stresses and volume change no more at the end, so that the state there is the critical one.
     void_ratio
@@ -66,6 +68,7 @@ class Sheared:
     end: tuple[float, float]
     modulus: float | None
     dilatancy: float | None
+    peak_volume: float | None
     settled: bool
     void_ratio: float | None
 
@@ -114,6 +117,7 @@ def sheared_specimen(problem: Problem, part: ModelPart) -> Sheared:
         (float(minor[last] + q[last]), float(minor[last])),
         _secant(strain, q, axial - radial),
         _dilatancy(observed, strain, q) if drained else None,
+        _volume_at(observed, float(strain[at])) if drained else None,
         _is_settled(observed, strain[good], minor[good] + q[good] / 3.0, q[good]),
         spec.initial_void_ratio,
     )
@@ -178,6 +182,13 @@ def _is_settled(observed: dict[str, Observation], strain: FloatArray, p: FloatAr
     x, y = _sorted(volume)
     inside = x >= 0.75 * strain[-1]
     return bool(inside.sum() < 2 or abs(straight_line(x[inside], y[inside])[0]) < _RATE)
+
+
+def _volume_at(observed: dict[str, Observation], strain: float) -> float | None:
+    one = observed.get("volumetric_strain") or observed.get("branch_1.volumetric_strain")
+    if one is None or not one.x.min() <= strain <= one.x.max():
+        return None
+    return float(np.interp(strain, *_sorted(one)))
 
 
 def _smooth(x: FloatArray, y: FloatArray) -> FloatArray:
