@@ -29,8 +29,8 @@ def init_command(kind: str, output: Path) -> None:
     """Write a commented starter problem with its data.
 
     KIND is oedometer (unless given), isotropic_compression, triaxial, direct_simple_shear, consolidation,
-    crs_oedometer, column, formula, combined or section. The data are synthetic, to be replaced by yours. A file that is
-    there is never overwritten.
+    crs_oedometer, column, formula, combined, section or tests (a table of tests). The data are synthetic, to be
+    replaced by yours. A file that is there is never overwritten.
     """
     files = _files(STARTERS[kind])
     there = [str(output / name) for name in files if (output / name).exists()]
@@ -75,7 +75,7 @@ def _files(starter: Starter) -> dict[str, str]:
             or f"# A starting point: replace data and numbers with yours.\n{path.read_text(encoding='utf-8')}"
         )
     used = {name: _with_headings(content, starter.headings.get(name)) for name, content in data.items() if name in text}
-    return {"problem.yaml": text, **used}
+    return {"problem.yaml": text, **used, **starter.files}
 
 
 def _with_headings(content: str, headings: str | None) -> str:

@@ -20,11 +20,14 @@ class Starter:
         The problem file; that of the example, under a comment, when empty.
     headings
         Line of headings of each data file, where they are not those of the example.
+    files
+        Further data files.
     """
 
     example: str
     text: str = ""
     headings: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict)
 
 
 _COMMON = """\
@@ -109,6 +112,80 @@ observations:
     + _COMMON
 )
 
+_TESTS = (
+    """\
+# Many tests of one sand: tests.csv has a row for each, and each has a file of readings. Replace them by yours, then:
+# geoswarm check problem.yaml. All columns: docs/laboratory-files.md, A table of tests.
+name: my-tests
+tests:
+  table: tests.csv                      # CSV, XLSX or ODS
+  material: hypoplastic_sand            # of every test, as every other key here
+  # back_pressure: 300                  # kPa
+parameters:                             # free: lower and upper; fixed: value; linked: expression
+  phi_c: {value: 33}                    # degree
+  h_s: {lower: 1.0e+5, upper: 4.0e+7, scale: log}   # kPa; geoswarm estimate problem.yaml suggests values
+  n: {lower: 0.15, upper: 0.5}
+  e_c0: {lower: 0.9, upper: 1.2}
+  e_d0: {expression: 0.64 * e_c0}
+  e_i0: {expression: 1.15 * e_c0}
+  alpha: {lower: 0.05, upper: 0.4}
+  beta: {lower: 0.8, upper: 4}
+# weighting: by_test                    # every test counts alike; the default of a table
+"""
+    + _COMMON
+)
+
+_SYNTHETIC = "# SYNTHETIC readings, to be replaced with yours\n"
+_TEST_FILES = {
+    "tests.csv": """\
+name,file,kind,cell pressure [kPa],initial void ratio
+OE1,oe1.csv,oedometer,,
+TD1,td1.csv,triaxial drained,100,0.75
+TU1,tu1.csv,triaxial undrained,200,0.9
+""",
+    "oe1.csv": _SYNTHETIC
+    + """\
+vertical stress [kPa],void ratio
+10,0.95
+20,0.9453
+50,0.9378
+100,0.9309
+200,0.9224
+400,0.9118
+800,0.8993
+200,0.9046
+50,0.9087
+""",
+    "td1.csv": _SYNTHETIC
+    + """\
+axial strain [%],q [kPa],volumetric strain [%]
+0.25,89.0,0.18
+0.5,159.5,0.26
+1,255.3,0.3
+2,349.0,0.07
+3,378.5,-0.27
+4,380.0,-0.67
+6,364.4,-1.48
+8,346.1,-2.21
+10,337.0,-2.87
+15,308.0,-4.31
+20,294.1,-5.52
+""",
+    "tu1.csv": _SYNTHETIC
+    + """\
+axial strain [%],q [kPa],pore pressure [kPa]
+0.25,78.0,96.0
+0.5,98.0,127.6
+1,109.4,147.1
+2,130.5,148.8
+3,151.7,142.9
+4,167.1,134.0
+6,217.0,115.5
+8,263.0,94.7
+10,318.6,73.6
+""",
+}
+
 STARTERS: dict[str, Starter] = {
     "oedometer": Starter("oedometer", _OEDOMETER, {"settlement.csv": "time [min],settlement [mm]"}),
     "isotropic_compression": Starter("isotropic_compression"),
@@ -120,5 +197,6 @@ STARTERS: dict[str, Starter] = {
     "formula": Starter("formula", _FORMULA, {"settlement.csv": "time [day],settlement [cm]"}),
     "combined": Starter("combined"),
     "section": Starter("slope"),
+    "tests": Starter("triaxial", _TESTS, files=_TEST_FILES),
 }
-"""Problems to begin with, by kind of forward model."""
+"""Problems to begin with, by kind of forward model; ``tests``: a table of tests."""

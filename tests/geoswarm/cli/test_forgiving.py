@@ -178,7 +178,8 @@ def test_starters_can_be_checked_at_once(tmp_path: Path, capsys: pytest.CaptureF
         assert main(["init", kind, "--output", str(folder)]) == 0
         problem = load_problem(folder / "problem.yaml")
         assert problem.forward_model.kind in (kind, "combined")
-        assert f"kind: {kind}\n" in (folder / "problem.yaml").read_text(encoding="utf-8")
+        wanted = "tests:\n" if kind == "tests" else f"kind: {kind}\n"
+        assert wanted in (folder / "problem.yaml").read_text(encoding="utf-8")
         assert list(folder.glob("*.csv"))
     assert main(["check", str(tmp_path / "oedometer" / "problem.yaml")]) == 0
     assert "measured points   226" in capsys.readouterr().out
