@@ -119,7 +119,9 @@ class FitVerdict:
         """
         if not self.wrong or not self.misfits or any(one.reason == "missed" for one in self.misfits):
             return self
-        return replace(self, tests=tests, sentence=sentence_of(self.misfits, self.closeness, tests=tests))
+        said = sentence_of(self.misfits, self.closeness, tests=tests)
+        remedies = tuple(one for one in self.remedies if one.kind != "thin")  # dependent readings are allowed for
+        return replace(self, tests=tests, sentence=said, remedies=remedies)
 
     @property
     def headline(self) -> str:
