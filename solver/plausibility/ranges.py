@@ -1,14 +1,16 @@
 """Values far outside the usual ranges: those of fields (``x-typical`` of their schema) and parameters (``typical``).
 
 The ranges stand beside the fields themselves; a form shows the same ones. Nothing is said of what is merely unusual:
-only of a value more than ten times beyond an end, or of stages whose middle one is more than twice beyond it. A default
-may mean something else, such as a value that is derived, and is usual.
+only of a value more than ten times beyond an end, or of stages whose middle one is more than twice beyond it. A value of
+a stage to which others lead from the usual range, each at most ten times the one before, is no slip. A default may mean
+something else, such as a value that is derived, and is usual.
 """
 
 from __future__ import annotations
 
 import statistics
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 from pydantic import BaseModel
@@ -81,9 +83,23 @@ def _entries(entries: tuple[BaseModel, ...], path: str) -> Iterator[str]:
         if _far(middle, (low, high)) or middle > _FAR_OF_MOST * high:
             yield _sentence(f"{path}[].{name}", middle, hint["x-unit"], (low, high), "in the middle of all")
             continue
-        for value in dict.fromkeys(number for number in numbers if _far(number, (low, high))):
+        far = (number for number in numbers if _far(number, (low, high)) and not _led_to(number, numbers, (low, high)))
+        for value in dict.fromkeys(far):
             places = ", ".join(str(index) for index, number in enumerate(numbers) if number == value)
             yield _sentence(f"{path}[{places}].{name}", value, hint["x-unit"], (low, high))
+
+
+def _led_to(value: float, numbers: list[float], usual: Range) -> bool:
+    """Whether some of the numbers lead from the usual range to a value, each at most ten times the one before."""
+    low, high = usual
+    below = value < low
+    way = sorted({one for one in numbers if (one >= value if below else one <= value)}, reverse=not below)
+    for one, following in pairwise(way):
+        if not max(one, following) <= _FAR * min(one, following):
+            return False
+        if low <= following <= high:
+            return True
+    return False
 
 
 def _far(value: float, usual: Range) -> bool:

@@ -85,6 +85,23 @@ class Points:
         whole = float(np.ptp(np.delete(y, self.gross_errors)))
         return self.range * (float(np.ptp(y[chosen])) / whole if whole > 0.0 else 1.0)
 
+    def chosen(self, chosen: BoolArray) -> Points:
+        """Some of the points, in the same order."""
+        places = np.flatnonzero(chosen).tolist()
+
+        def of(values: list[float] | None) -> Any:
+            return None if values is None else [values[place] for place in places]
+
+        return replace(
+            self,
+            x=of(self.x),
+            y=of(self.y),
+            weight=of(self.weight),
+            readings=of(self.readings),
+            inputs={name: of(values) for name, values in self.inputs.items()},
+            gross_errors=tuple(new for new, place in enumerate(places) if place in self.gross_errors),
+        )
+
     def document(self) -> dict[str, Any]:
         """The ``points`` section."""
         lists = {"x": self.x, "y": self.y, "weight": self.weight, "readings": self.readings}

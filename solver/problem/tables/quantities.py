@@ -29,7 +29,10 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
         r"volum\w*[ _-]?(dehnung|stauchung|strain|verformung|änderung)|\bvol\.? strain|^(ε|eps(ilon)?) ?v(ol)?$",
         ("volumetric_strain",),
     ),
-    (r"scherdehnung|schubverzerrung|gleitung|scherverformung|shear[ _-]strain|^(γ|gamma)$", ("shear_strain",)),
+    (
+        r"scherdehnung|schubverzerrung|gleitung|scherverformung|shear[ _-]strain|^(γ|gamma)$|^(ε|eps(ilon)?) ?q$",
+        ("shear_strain",),
+    ),
     (r"scherspannung|schubspannung|shear[ _-]stress|^(τ|tau)$", ("shear_stress",)),
     (r"deviator|^q$", ("q",)),
     (r"mittlere \w*[ ]?(haupt)?spannung|mean (effective )?stress|^p['’′]?$", ("p", "mean_effective_stress")),

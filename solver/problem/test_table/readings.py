@@ -91,7 +91,8 @@ def curves_of(row: Row, folder: Path | None) -> tuple[list[Curve], dict[str, Any
         unit = {} if section.x_unit is None else {"x_unit": section.x_unit}
         wanted = {"series": known[name], "file": section.file, "x_column": x, "y_column": column}
         try:
-            curves.append(_curve(name, wanted | sheet | unit | given | by_series[name], content, _X_BASE[kind]))
+            curve = _curve(name, wanted | sheet | unit | given | by_series[name], content, _X_BASE[kind])
+            curves.append(curve if kind == "triaxial" else _under_load(curve))
         except ProblemError as error:
             issues += [row.issue(_key(issue.path, name), issue.message) for issue in error.issues]
     if issues:
@@ -119,6 +120,19 @@ def _curve(name: str, wanted: dict[str, Any], content: bytes, base: str) -> Curv
         kept["gross_errors"] = [place + 1 for place in points.gross_errors]
     notes = [f"{section.file}, columns {section.x_column} and {section.y_column}", *points.notes]
     return Curve(name, x, points, units | kept | {"notes": notes})
+
+
+def _under_load(curve: Curve) -> Curve:
+    """A curve over stress without its readings at stress 0, under which no law has a stiffness."""
+    loaded = curve.x != 0.0
+    without = int((~loaded).sum())
+    if not without or without == loaded.size:
+        return curve
+    notes = [*curve.observation["notes"], f"{without} readings without stress left out"]
+    points = curve.points.chosen(loaded)
+    marked = {"gross_errors": [place + 1 for place in points.gross_errors]} if points.gross_errors else {}
+    rest = {key: value for key, value in curve.observation.items() if key != "gross_errors"}
+    return Curve(curve.name, curve.x[loaded], points, rest | marked | {"notes": notes})
 
 
 def _found_columns(row: Row, content: bytes, columns: dict[str, str]) -> tuple[str, dict[str, str]]:

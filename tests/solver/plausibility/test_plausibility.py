@@ -100,6 +100,14 @@ def test_one_stage_of_400_MPa() -> None:
     assert found.startswith("forward_model.stages[4].stress = 400000 kPa is far from what is usual, 5 to 1600 kPa")
 
 
+def test_small_loads_that_others_lead_to_are_no_slip() -> None:
+    ladder = (0.1, 0.4, 2.0, 10.0, 50.0, 200.0, 10.0, 0.1)
+    assert not any("usual" in one for one in warnings(stages=[{"stress": p, "duration": 1.0} for p in ladder]))
+    alone = (0.1, *STRESSES)
+    (found,) = [one for one in warnings(stages=[{"stress": p, "duration": 1.0} for p in alone]) if "usual" in one]
+    assert "stages[0].stress = 0.1 kPa is far from what is usual, 5 to 1600 kPa; if 0.1 MPa is meant" in found
+
+
 def test_durations_of_24_days() -> None:
     found = warnings(stages=[{"stress": stress, "duration": 24.0} for stress in STRESSES])
     assert found[0].startswith("forward_model.stages[].duration = 24 day (in the middle of all) is far from")

@@ -177,3 +177,25 @@ def test_files_of_a_table_are_not_read_for_the_network() -> None:
     row = {"kind": "oedometer", "file": "/etc/passwd", "material": "hypoplastic_sand"}
     with pytest.raises(ProblemError, match=r"tests\[0\]\.file: files can only be read beside a problem file"):
         parse_problem({**_REST, "tests": [row]})
+
+
+def test_readings_without_stress_are_left_out_wherever_they_are(tmp_path: Path) -> None:
+    """A specimen as published: placed under no stress, unloaded to none, and loaded again."""
+    path = _written(tmp_path)
+    stresses, voids = [0, 0.001, 0.05, 0.4, 0.05, 0, 0.05], [1.02, 1.0, 0.98, 0.94, 0.945, 0.96, 0.95]
+    rows = "".join(f"{stress},{e}\n" for stress, e in zip(stresses, voids, strict=True))
+    (tmp_path / "oe.csv").write_text(f"sigma_v [MPa],e [-]\n{rows}", encoding="utf-8")
+    problem = load_problem(path)
+    part = problem.document()["forward_model"]["parts"]["OE_1"]
+    assert (part["initial_stress"], part["initial_void_ratio"]) == (1, 1.0)
+    assert [stage["stress"] for stage in part["stages"]] == [50, 400, 50, 50]
+    assert problem.observations[0].points.y == [0.98, 0.94, 0.945, 0.95]
+    assert problem.observations[0].notes[-1] == "2 readings without stress left out"
+
+
+def test_the_deviatoric_strain_is_no_axial_strain(tmp_path: Path) -> None:
+    path = _written(tmp_path)
+    text = _DRAINED.replace("eps_1 [%],", "eps1 [%],epsq [%],").replace("\n1,", "\n1,0.9,").replace("\n5,", "\n5,4,")
+    (tmp_path / "cd.csv").write_text(text.replace("\n10,", "\n10,8,"), encoding="utf-8")
+    shearing = load_problem(path).document()["forward_model"]["parts"]["TMD"]["shearing"]
+    assert [one["axial_strain"] for one in shearing] == [0.1]
