@@ -1,9 +1,9 @@
 """Values far outside the usual ranges: those of fields (``x-typical`` of their schema) and parameters (``typical``).
 
 The ranges stand beside the fields themselves; a form shows the same ones. Nothing is said of what is merely unusual:
-only of a value more than ten times beyond an end, or of stages whose middle one is more than twice beyond it. A value of
-a stage to which others lead from the usual range, each at most ten times the one before, is no slip. A default may mean
-something else, such as a value that is derived, and is usual.
+only of a value more than ten times beyond an end, or of stages whose middle one is more than twice beyond it. A value
+of a stage to which others lead from the usual range, each at most ten times the one before, is no slip. A default may
+mean something else, such as a value that is derived, and is usual.
 """
 
 from __future__ import annotations
