@@ -8,7 +8,7 @@ from typing import Literal
 
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.units import convert
-from geoswarm.solver.words import listed, share
+from geoswarm.solver.words import listed, number, share
 
 __all__ = [
     "DOES_NOT_HOLD",
@@ -264,8 +264,8 @@ def _reason(misfits: Sequence[Misfit]) -> str:
 def _too_small(exceeded: Sequence[Misfit], tests: int) -> str:
     """Stated errors that the residuals exceed."""
     each = [
-        f"of {m.series} ({_amount(m.deviation, m.unit)}) {'' if number else 'are '}{m.ratio or 0.0:.2g} times"
-        for number, m in enumerate(exceeded[:_MOST_NAMED])
+        f"of {m.series} ({_amount(m.deviation, m.unit)}) {'' if place else 'are '}{m.ratio or 0.0:.2g} times"
+        for place, m in enumerate(exceeded[:_MOST_NAMED])
     ]
     several = len(exceeded) > 1
     left = len(exceeded) - len(each)
@@ -280,17 +280,17 @@ def _too_small(exceeded: Sequence[Misfit], tests: int) -> str:
 def _spans(numbers: Sequence[int]) -> list[str]:
     """Numbers in words, three or more in a row as "2 to 6"."""
     groups: list[list[int]] = []
-    for number in numbers:
-        if groups and number == groups[-1][-1] + 1:
-            groups[-1].append(number)
+    for one in numbers:
+        if groups and one == groups[-1][-1] + 1:
+            groups[-1].append(one)
         else:
-            groups.append([number])
+            groups.append([one])
     return [
         word
         for group in groups
-        for word in ([f"{group[0]} to {group[-1]}"] if len(group) > 2 else [str(number) for number in group])
+        for word in ([f"{group[0]} to {group[-1]}"] if len(group) > 2 else [str(one) for one in group])
     ]
 
 
 def _amount(value: float, unit: str) -> str:
-    return f"{value:.2g} {unit}".strip()
+    return f"{number(value, 2, plain=True)} {unit}".strip()

@@ -20,6 +20,7 @@ intervals alone: standard errors are those of independent noise of one size. An 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -29,7 +30,14 @@ from scipy.special import stdtr, stdtrit
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 
-__all__ = ["ALLOWANCES", "Dependence", "DependenceKind", "allowed_deviations", "dependence_of"]
+__all__ = [
+    "ALLOWANCES",
+    "Dependence",
+    "DependenceKind",
+    "allowed_deviations",
+    "dependence_in_words",
+    "dependence_of",
+]
 
 DependenceKind: TypeAlias = Literal["correlated", "uneven", "possible", "stated"]
 """Found correlated or of uneven size; possibly correlated, which few readings cannot exclude; stated as correlated."""
@@ -37,6 +45,7 @@ DependenceKind: TypeAlias = Literal["correlated", "uneven", "possible", "stated"
 ALLOWANCES: tuple[DependenceKind, ...] = ("correlated", "stated", "uneven", "possible")
 """The kinds, in the order in which a report names the first that widens an interval."""
 
+_MOST_NAMED = 3
 _SIGNIFICANT = 2.58  # of the correlation of sizes with x, times the root of n - 1: a level of 1 %
 _FEWEST, _FEWEST_POSSIBLE = 8, 3
 _RHO = np.linspace(0.0, 0.98, 50)
@@ -79,27 +88,50 @@ class Dependence:
     @property
     def sentence(self) -> str:
         """What it means for intervals."""
-        if self.kind == "possible":
+        how = f"{self.rho:.2f}{' at their median distance in x' if self.by_x else ''}"
+        return _sentence(self.kind, self.series, how, self.readings, self.effective)
+
+
+def dependence_in_words(found: Sequence[Dependence]) -> list[str]:
+    """A sentence for each series, or one for all with the same kind of noise where they are many."""
+    kinds: dict[str, list[Dependence]] = {}
+    for one in found:
+        kinds.setdefault(one.kind, []).append(one)
+    said = []
+    for kind, own in kinds.items():
+        if len(own) <= _MOST_NAMED:
+            said += [one.sentence for one in own]
+            continue
+        low, high = (f"{limit(one.rho for one in own):.2f}" for limit in (min, max))
+        how = low if low == high else f"{low} to {high}"
+        readings, effective = sum(one.readings for one in own), sum(one.effective for one in own)
+        said.append(_sentence(kind, f"{len(own)} series", how, readings, effective))
+    return said
+
+
+def _sentence(kind: str, who: str, how: str, readings: int, effective: float) -> str:
+    match kind:
+        case "possible":
             return (
-                f"{self.series}: {self.readings} readings cannot exclude that the errors of neighbours are correlated; "
-                "intervals allow for that, standard errors do not. If they are known to be independent, state "
-                "noise: {kind: white} in the problem."
+                f"{who}: {readings} readings cannot exclude that the errors of neighbours are correlated; intervals allow "
+                "for that, standard errors do not. If they are known to be independent, state noise: {kind: white} in "
+                "the problem."
             )
-        if self.kind == "stated":
+        case "stated":
             return (
-                f"{self.series}: the problem states that the errors of neighbours are correlated; intervals allow for "
-                "that, standard errors do not."
+                f"{who}: the problem states that the errors of neighbours are correlated; intervals allow for that, "
+                "standard errors do not."
             )
-        if self.kind == "correlated":
-            how = f"{self.rho:.2f}{' at their median distance in x' if self.by_x else ''}"
+        case "correlated":
             return (
-                f"{self.series}: neighbouring residuals are correlated ({how}), so {self.readings} readings "
-                f"are worth {self.effective:.0f} independent ones; intervals allow for that, standard errors do not."
+                f"{who}: neighbouring residuals are correlated ({how}), so {readings} readings are worth "
+                f"{effective:.0f} independent ones; intervals allow for that, standard errors do not."
             )
-        return (
-            f"{self.series}: the size of the residuals changes with x; intervals allow for that, standard errors do "
-            "not, and weights from their spread (weighting by_spread) would make better use of the readings."
-        )
+        case _:
+            return (
+                f"{who}: the size of the residuals changes with x; intervals allow for that, standard errors do not, and "
+                "weights from their spread (weighting by_spread) would make better use of the readings."
+            )
 
 
 def dependence_of(

@@ -22,6 +22,7 @@ from geoswarm.solver.identifiability.optimum.basins import (
 from geoswarm.solver.identifiability.optimum.hidden import Unseen, hidden_share, is_sparse
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.remedies import Remedy, follow_up
+from geoswarm.solver.identifiability.residuals.dependence import dependence_in_words
 from geoswarm.solver.identifiability.residuals.independence import SeriesResiduals, examine_residuals
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.residuals.readings import is_exact
@@ -293,7 +294,7 @@ def analyse(
     fit = fit_of_samples(calibration, samples, noise=noise) if linearisation is None else linearisation.fit
     warnings = [w for r in residuals for w in r.warnings] if fit.kind in ("untested", "error_not_met") else []
     if linearisation is not None:
-        warnings = [*(one.sentence for one in linearisation.departures), *warnings]
+        warnings = [*dependence_in_words(linearisation.departures), *warnings]
     if linearisation is not None and not linearisation.at_optimum:
         far = linearisation.far
         warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))

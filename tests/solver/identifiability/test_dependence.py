@@ -13,7 +13,12 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import from_evaluations
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.polish import polish
-from geoswarm.solver.identifiability.residuals.dependence import Dependence, allowed_deviations, dependence_of
+from geoswarm.solver.identifiability.residuals.dependence import (
+    Dependence,
+    allowed_deviations,
+    dependence_in_words,
+    dependence_of,
+)
 from tests.solver.identifiability.cases import WHITE, free, linearised, problem_of
 
 COUNT = 30
@@ -162,3 +167,13 @@ def test_the_interval_of_uneven_readings_weighs_order_against_distance() -> None
     deviations = np.full(COUNT, np.sqrt(residuals @ residuals / (COUNT - 2)))
     allowed = allowed_deviations(inverse, deviations, residuals, basis, [(found, np.arange(COUNT))], x, 0.95, QUANTILE)
     np.testing.assert_allclose(QUANTILE * allowed, expected, rtol=1e-4)
+
+
+def test_many_series_have_one_sentence() -> None:
+    found = [Dependence(f"t{place}.q", "correlated", 0.9 + 0.01 * place, 100, 5.0) for place in range(4)]
+    assert dependence_in_words(found) == [
+        "4 series: neighbouring residuals are correlated (0.90 to 0.93), so 400 readings are worth 20 independent ones; "
+        "intervals allow for that, standard errors do not."
+    ]
+    uneven = [Dependence("u", "uneven", 0.0, 100, 100.0)]
+    assert dependence_in_words([*found[:2], *uneven]) == [one.sentence for one in (*found[:2], *uneven)]
