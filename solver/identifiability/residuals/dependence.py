@@ -113,8 +113,8 @@ def _sentence(kind: str, who: str, how: str, readings: int, effective: float) ->
     match kind:
         case "possible":
             return (
-                f"{who}: {readings} readings cannot exclude that the errors of neighbours are correlated; intervals allow "
-                "for that, standard errors do not. If they are known to be independent, state noise: {kind: white} in "
+                f"{who}: {readings} readings cannot exclude that the errors of neighbours are correlated; intervals "
+                "allow for that, standard errors do not. If they are known to be independent, state noise: {kind: white} in "
                 "the problem."
             )
         case "stated":
@@ -129,8 +129,8 @@ def _sentence(kind: str, who: str, how: str, readings: int, effective: float) ->
             )
         case _:
             return (
-                f"{who}: the size of the residuals changes with x; intervals allow for that, standard errors do not, and "
-                "weights from their spread (weighting by_spread) would make better use of the readings."
+                f"{who}: the size of the residuals changes with x; intervals allow for that, standard errors do not, "
+                "and weights from their spread (weighting by_spread) would make better use of the readings."
             )
 
 
