@@ -114,8 +114,8 @@ def _sentence(kind: str, who: str, how: str, readings: int, effective: float) ->
         case "possible":
             return (
                 f"{who}: {readings} readings cannot exclude that the errors of neighbours are correlated; intervals "
-                "allow for that, standard errors do not. If they are known to be independent, state noise: {kind: white} in "
-                "the problem."
+                "allow for that, standard errors do not. If they are known to be independent, state noise: {kind: "
+                "white} in the problem."
             )
         case "stated":
             return (
