@@ -19,6 +19,7 @@ from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSec
 from geoswarm.solver.problem.readings.joined import BlockError, BlockSection, joined
 from geoswarm.solver.problem.readings.preparation import Preparation, PreparationError, Readings, prepared
 from geoswarm.solver.problem.stages import stage_times
+from geoswarm.solver.problem.tables.blocks import shown
 from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
@@ -258,7 +259,9 @@ def _reading_notes(section: ObservationSection, table: Table, name: str) -> list
     """What of a file was read, where that is more than columns of numbers."""
     notes = []
     if section.where:
-        notes.append(f"rows of {name} with {', '.join(f'{key} = {value}' for key, value in section.where.items())}")
+        notes.append(
+            f"rows of {name} with {', '.join(f'{key} = {shown(value)}' for key, value in section.where.items())}"
+        )
     if section.y_minus is not None:
         notes.append(f"y is the difference of two columns: {table.y_heading.name} less {section.y_minus}")
     for key, heading in table.input_headings.items():

@@ -1,4 +1,4 @@
-"""Stages of a test from a column of loads in a file of readings, with one click."""
+"""Stages of a test from a column of loads in a file of readings, with one click; readings that lie in rows."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from playwright.sync_api import expect
 
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
-from tests.dashboard.test_new_import import drop, yaml
+from tests.dashboard.test_new_import import chosen, drop, yaml
 from tests.solver.problem.test_load_stages import ANEW
+from tests.solver.problem.test_measurements import workbook
+from tests.solver.problem.test_sheets import LYING
 
 Visit = Callable[..., Opened]
 
@@ -49,3 +51,14 @@ def test_times_of_a_clock_are_asked_for(embedded: Site, visit: Visit) -> None:
     expect(mapping.get_by_role("status")).to_have_text("3 readings.")
     mapping.get_by_role("button", name=re.compile("settlement")).click()
     expect(page.locator(".observation")).to_contain_text("3 readings")
+
+
+def test_readings_in_rows_are_columns_and_the_nearest_row_of_times_is_x(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(page, workbook(("s", LYING)), "own.xlsx")
+    expect(chosen(mapping, "Column of y")).to_have_text("Setzung: [mm] (B6:C6)")
+    expect(chosen(mapping, "Column of x")).to_have_text("Zeit: [min] (B5:C5)")
+    mapping.get_by_label("Column of y", exact=True).select_option(label="Setzung: [mm] (B9:C9)")
+    expect(chosen(mapping, "Column of x")).to_have_text("Zeit: [min] (B8:C8)")
+    mapping.get_by_role("button", name=re.compile("settlement")).click()
+    expect(yaml(page)).to_have_value(re.compile(r"x: \[4320(\.0)?, 5760(\.0)?\]"))

@@ -8,7 +8,7 @@ import { plainBase, unitsOf } from "../units.js";
 import { CELLS, beginning, conflicts, doubts, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
 import { choice, firstRows, flag, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
-import { likelySeries, readable } from "./matching.js";
+import { columnOfX, lies, likelySeries, readable } from "./matching.js";
 import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
 
 const PAUSE = 250; // ms without a change before the file is read again
@@ -99,7 +99,7 @@ export function mapping(file, content, context, act) {
     const name = (column) => (file.columns.filter((one) => one.name === column.name).length > 1 ? `${column.name} (${column.letters})` : column.name);
     const columns = (kinds) => [...file.columns.map((column, i) => [i, name(column), !kinds(column)]), [CELLS, "by cells or name …"]];
     const pick = (axis, kinds) => [
-      choice(`map-${axis}`, `Column of ${axis}`, columns(kinds), state[axis], (value) => { state[axis] = value; suitUnits(state, file, about, [axis]); change(true); }),
+      choice(`map-${axis}`, `Column of ${axis}`, columns(kinds), state[axis], (value) => choose(axis, value)),
       state[axis] === CELLS ? words(`map-${axis}-cells`, `Cells of ${axis}`, state[`${axis}Cells`], (value) => { state[`${axis}Cells`] = value; change(false); }, { placeholder: "B5:B30", help: "B5:B30, B5:M5 in a row, B:B, or a name of the workbook." }) : null,
       unit(axis),
     ];
@@ -119,6 +119,14 @@ export function mapping(file, content, context, act) {
     exchange(more, moreFields(file, state, change, context.openParameters()));
     exchange(table, file.columns.length ? firstRows(file, { [state.x]: "x", [state.y]: "y" }) : null);
     load();
+  }
+
+  function choose(axis, value) {
+    const pair = axis === "y" && info() !== undefined && lies(file.columns[value]);
+    state[axis] = value;
+    if (pair) state.x = columnOfX(file, info(), value);
+    suitUnits(state, file, info(), pair ? ["x", "y"] : [axis]);
+    change(true);
   }
 
   function change(redraw) {

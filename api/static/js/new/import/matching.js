@@ -10,9 +10,10 @@ const heading = (column) => column.name.trim().replace(/\s+/g, " ").toLowerCase(
 /** Whether a column can be read as numbers, dates or, once it is said how, times. */
 export const readable = (column) => column.kind !== "text";
 
-/** How a problem file calls a column: by its heading where no other has it, else by its letters. */
+/** How a problem file calls a column: by its heading where no other has it, else by its letters; by its cells where it lies in a row. */
 export function reference(file, i) {
   const column = file.columns[i];
+  if (lies(column)) return column.letters;
   const alone = file.columns.filter((one) => heading(one) === heading(column)).length === 1;
   return alone && column.name.length < 200 && !/^column \d+$/.test(column.name) ? column.name : `${column.letters}:${column.letters}`;
 }
@@ -45,9 +46,16 @@ function meaning(column, info) {
 
 const meansX = (column, info) => column.quantities.some((one) => key(info.x_quantity) === one || key(info.x_quantity).endsWith(`_${one}`));
 
+/** Whether a column lies in a row of the sheet. */
+export const lies = (column) => column?.letters.includes(":") ?? false;
+
+/** Whether two columns may be x and y of readings; rows of a sheet differ in length. */
+const paired = (one, other) => one !== other && !(lies(other) && one.values.length !== other.values.length);
+
 /** The column of x for a series, null where it is not plain. */
 export function columnOfX(file, info, y) {
-  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column, i }) => readable(column) && column.kind !== "clock" && i !== y);
+  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => readable(column) && column.kind !== "clock" && paired(column, file.columns[y]));
+  if (lies(file.columns[y])) usable.sort((one, other) => Math.abs(one.i - y) - Math.abs(other.i - y)); // a block has both
   const found = usable.find(({ column }) => meansX(column, info))
     ?? usable.find(({ column }) => column.base !== null && column.base === plainBase(info.x_unit) && column.base !== "dimensionless")
     ?? usable.find(({ column }) => key(column.label) === "x")
@@ -68,7 +76,7 @@ export function columnOfY(file, info) {
 export function likelySeries(file, known) {
   const pairs = known.flatMap((info, place) => file.columns.map((column, y) => ({ info, place, column, y, meant: column.kind === "number" ? meaning(column, info) : -1 })));
   const rank = ({ info, place, column, y, meant }) => {
-    const x = file.columns.some((one, i) => i !== y && readable(one) && meansX(one, info));
+    const x = file.columns.some((one) => readable(one) && paired(one, column) && meansX(one, info));
     const fits = column.base === null || column.base === plainBase(info.y_unit);
     return [meant, x ? 0 : 1, fits ? 0 : 1, info.name.includes(".") ? 1 : 0, PREFIX.test(info.name) ? 1 : 0, y, place];
   };
