@@ -302,7 +302,7 @@ def _prepared(
     try:
         found, done = prepared(given, wanted)
     except PreparationError as error:
-        return points, [Issue(f"{path}.{error.key}", str(error))]
+        return points, [Issue.about(f"{path}.{error.key}", error.sentence, f"{path}.")]
     return replace(
         points,
         x=found.x,

@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
+from geoswarm.solver.sentences import Sentence, setting
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.base import ForwardModelSpec
 
 __all__ = ["AT_LOAD", "at_load", "same_x_remedy", "section_of_test", "stage_of", "stage_times"]
 
-AT_LOAD = (
-    "repeated_x: shift takes the first as the reading before the load and spreads the others up to the next x; average "
-    "takes the mean of several gauges, where every x has a reading of each; or keep one of them"
+AT_LOAD: Sentence = (
+    setting("repeated_x", "shift"),
+    " takes the first as the reading before the load and spreads the others up to the next x; average "
+    "takes the mean of several gauges, where every x has a reading of each; or keep one of them",
 )
 """Remedy for several readings at the moment of a load."""
 
@@ -56,10 +58,10 @@ def at_load(x: FloatArray, starts: FloatArray) -> BoolArray:
     return np.asarray((np.abs(x[:, np.newaxis] - starts) <= _slack(starts)).any(axis=1))
 
 
-def same_x_remedy(x: float, starts: FloatArray) -> str:
+def same_x_remedy(x: float, starts: FloatArray) -> Sentence:
     """What to do about several readings at one x."""
     at_one = at_load(np.array([x]), starts).any()
-    return AT_LOAD if at_one else "repeated_x: average or shift makes them differ"
+    return AT_LOAD if at_one else (setting("repeated_x", "average"), " or shift makes them differ")
 
 
 def _slack(starts: FloatArray) -> float:
