@@ -213,10 +213,13 @@ def _table(
     """The table of a section, of all its blocks if it has some; what was done, and what is wrong."""
     read = functools.cache(read_cells)  # blocks of one sheet
     tables: list[Table] = []
-    for place, block in enumerate(section.blocks or [None]):
-        at = f"{path}.file" if block is None else f"{path}.blocks[{place}]"
+    parts = [columns_of(_of_block(section, block)) for block in section.blocks or [None]]
+    for place, part in enumerate(parts):
+        at = f"{path}.file" if section.blocks is None else f"{path}.blocks[{place}]"
+        alike = parts.count(part)
+        turn = (parts[:place].count(part), alike) if alike > 1 and part.where else None
         try:
-            tables.append(table_of(content, name, columns_of(_of_block(section, block)), read))
+            tables.append(table_of(content, name, replace(part, turn=turn), read))
         except TableError as error:
             return None, [], [Issue(at, message) for message in error.messages]
     if section.blocks is None:

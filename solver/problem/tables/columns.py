@@ -59,8 +59,8 @@ class Columns:
         Further columns by the name they are given.
     y_minus
         Column that is subtracted from that of y.
-    where
-        Entries by heading: only rows that have them count.
+    where, turn
+        Entries by heading: only rows that have them count; of several runs of such rows only one, see ``rows_where``.
     dates
         How the dates of x are written where it can be read in several ways.
     time
@@ -86,6 +86,7 @@ class Columns:
     gross_errors: str | None = None
     decimal: DecimalSign | None = None
     incomplete: Literal["leave_out"] | None = None
+    turn: tuple[int, int] | None = None
 
     def wanted(self) -> dict[str, str]:
         """Columns by what they are for."""
@@ -155,7 +156,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
     if not sheet.rows and not is_range(wanted["x"]):
         all_picked(sheet, [], wanted, name)
         raise TableError(f"{name} has a header but no points")
-    rows = rows_where(sheet, columns.where, name)
+    rows = rows_where(sheet, columns.where, name, columns.turn)
     reader = _Reader(name, sheet, columns, all_picked(sheet, rows, wanted, name))
     if quick is None:
         found = reader.table()

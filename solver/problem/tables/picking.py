@@ -8,9 +8,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import dropwhile, takewhile
+from itertools import dropwhile, groupby, takewhile
+from operator import itemgetter
 
-from geoswarm.solver.problem.tables.blocks import is_reading, key, unit_of_cell
+from geoswarm.solver.problem.tables.blocks import is_reading, key, shown, unit_of_cell
 from geoswarm.solver.problem.tables.cells import Area, Sheet, number_in
 from geoswarm.solver.problem.tables.headings import guess_unit, without_brackets
 from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_letters, column_number
@@ -245,28 +246,40 @@ def _names_used(
     return found
 
 
-def rows_where(sheet: Sheet, where: Mapping[str, str | float], file: str) -> Rows:
+def rows_where(sheet: Sheet, where: Mapping[str, str | float], file: str, turn: tuple[int, int] | None = None) -> Rows:
     """Rows with these entries; an empty cell below another one means the same as that, as in merged cells.
+
+    Parameters
+    ----------
+    turn
+        Of so many runs of consecutive rows with the last entry only this one, from 0: ``(1, 2)`` is the last of two.
 
     Raises
     ------
     TableError
-        No row has them, or there is no such column.
+        No row has them, there is no such column, or the runs are not as many.
     """
     rows = sheet.rows
+    runs = [rows]
     for heading, value in where.items():
         entries: list[Cell] = []
         for _, cell in picked(sheet, rows, heading, file).cells:
             entries.append(entries[-1] if cell == "" and entries else cell)
-        kept = [row for row, entry in zip(rows, entries, strict=True) if _same(entry, value)]
-        if not kept:
+        marked = zip((_same(entry, value) for entry in entries), rows, strict=True)
+        runs = [[row for _, row in run] for same, run in groupby(marked, key=itemgetter(0)) if same]
+        if not runs:
             known = list(dict.fromkeys(str(entry) for entry in entries if entry != ""))
             more = f", ... ({len(known)} in all)" if len(known) > _MOST_SHOWN else ""
             raise TableError(
                 f"{file}: no row has {heading} = {value}; there are: {', '.join(known[:_MOST_SHOWN])}{more}"
             )
-        rows = kept
-    return rows
+        rows = [row for run in runs for row in run]
+    if turn is None:
+        return rows
+    if len(runs) != turn[1]:
+        told = ", ".join(f"{heading} = {shown(value)}" for heading, value in where.items())
+        raise TableError(f"{file}: {turn[1]} blocks have {told}, but {len(runs)} parts of the table; give one for each")
+    return runs[turn[0]]
 
 
 def _same(entry: Cell, value: str | float) -> bool:

@@ -1,8 +1,8 @@
 // Sentences that name keys of the problem, in the words of this form: labels of its fields.
 import { labelOf } from "./schema_form.js";
 
-/** The words of a key; `text` is how the problem file says it. */
-function named({ path, text, value }) {
+/** The words of a key. */
+function named({ path, value }) {
   if (path === "accept") return `“The readings of ${value} are meant as they are”`;
   if (/^observations\[\d+\]$/.test(path)) return value;
   const input = document.querySelector(`[data-path="${CSS.escape(path)}"]`);

@@ -68,8 +68,7 @@ export function loadStages(file, content, state, context, act) {
     exchange(place, element("p", { class: "help" }, `“${of.name}” has ${count(found.stages.length)} stages: ${named.join(", ")}${more > 0 ? `, and ${count(more)} more` : ""}${found.initial_stress ? `; before them ${number(found.initial_stress)} kPa` : ""}.`),
       same ? element("p", { class: "help" }, "These are the stages of the forward model.")
         : element("div", { class: "buttons" }, button(`Fill in these ${count(found.stages.length)} stages`, () => act.stages(found))));
-    const loads = found.stages.map(({ load }) => load);
-    if (same && found.elapsed && new Set(loads).size === loads.length) act.joined(loads.map((load, i) => ({ where: { [reference(file, state.more.load_column)]: load }, stage: i + 1 })));
+    if (same && found.elapsed) act.joined(found.stages.map(({ load }, i) => ({ where: { [reference(file, state.more.load_column)]: load }, stage: i + 1 })));
   }
 
   return { place, renew };
