@@ -189,7 +189,7 @@ def _build(
     converted = []
     units: dict[str, str | None] = {}
     for axis, values, given, base, heading in (
-        ("x", points.x, section.x_unit, info.x_unit, points.x_heading),
+        ("x", points.x, None if points.by_load else section.x_unit, info.x_unit, points.x_heading),
         ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
         unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x")

@@ -18,7 +18,7 @@ from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.readings.joined import BlockError, BlockSection, joined
 from geoswarm.solver.problem.readings.preparation import Preparation, PreparationError, Readings, prepared
-from geoswarm.solver.problem.stages import stage_times
+from geoswarm.solver.problem.stages import by_stage, stage_times
 from geoswarm.solver.problem.tables.blocks import shown
 from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
@@ -54,7 +54,7 @@ class Points:
     ``independent`` is the number of independent readings that these are worth, ``range`` the largest less the smallest
     of them; None: not known. ``inputs`` are further quantities at the points, by name. ``gross_errors`` are the places
     of those that are shown and do not count, ``notes`` say what was done to the readings. ``x_heading`` and
-    ``y_heading`` are those of the file that they were read from.
+    ``y_heading`` are those of the file that they were read from; ``by_load``: it had loads in place of stages.
     """
 
     x: list[float]
@@ -68,6 +68,7 @@ class Points:
     notes: tuple[str, ...] = ()
     x_heading: Heading | None = field(default=None, compare=False)
     y_heading: Heading | None = field(default=None, compare=False)
+    by_load: bool = field(default=False, compare=False)
 
     @property
     def counts(self) -> FloatArray:
@@ -174,6 +175,8 @@ def measured_points(
     if points is None or issues:
         raise ProblemError([replace(issue, path=issue.path.removeprefix(".")) for issue in issues])
     units = {"x_unit": section.x_unit, "y_unit": section.y_unit}
+    if points.by_load:
+        units["x_unit"] = "dimensionless"
     return points, _units_found(points) | {axis: unit for axis, unit in units.items() if unit is not None}
 
 
@@ -193,6 +196,9 @@ def points_of_file(
     table, done, issues = _table(section, path, content, name, spec)
     if table is None:
         return None, issues
+    table, wrong = by_stage(table, section.series, section.x_unit, spec)
+    if wrong is not None:
+        return None, [Issue(f"{path}.x_column", wrong)]
     points = Points(
         table.x,
         table.y,
@@ -200,6 +206,7 @@ def points_of_file(
         inputs=table.inputs,
         gross_errors=tuple(table.gross_errors),
         notes=(*section.notes, *done, *_reading_notes(section, table, name)),
+        by_load=table.by_load,
         x_heading=table.x_heading,
         y_heading=table.y_heading,
     )
@@ -271,6 +278,8 @@ def _reading_notes(section: ObservationSection, table: Table, name: str) -> list
         if heading.named:
             unit = heading.unit or heading.named[0].text
             notes.append(f"{key} is in {unit}, as its column says: the formula takes its numbers unchanged")
+    if table.by_load:
+        notes.append(f"x is the number of the stage with the load of column {table.x_heading.name}")
     if table.zero is not None:
         notes.append(f"x counts from {table.zero.isoformat(sep=' ', timespec='seconds')}")
     if table.left_out:

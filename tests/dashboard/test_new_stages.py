@@ -59,10 +59,25 @@ def test_times_of_a_clock_are_asked_for(embedded: Site, visit: Visit) -> None:
 
 
 def test_readings_in_rows_are_columns_and_the_nearest_row_of_times_is_x(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new?example=oedometer")
+    page, guard = visit(embedded, "/new?example=oedometer")
+    guard.allow("422")  # loads of another test
     mapping = drop(page, workbook(("s", LYING)), "own.xlsx")
     expect(chosen(mapping, "Column of y")).to_have_text("Setzung: [mm] (B6:C6)")
     expect(chosen(mapping, "Column of x")).to_have_text("Zeit: [min] (B5:C5)")
+    mapping.get_by_label("Series").select_option(label="stage_settlement")
+    expect(chosen(mapping, "Column of x")).to_have_text("Spannung: [kPa]")
+    expect(mapping).to_contain_text("x = 7.3 kPa (point 1) is the load of no stage of the forward model (9, 13, 25")
+    mapping = drop(page, "sigma_v;Setzung [mm]\n9;0,05\n25;0,08\n")
+    expect(chosen(mapping, "Series")).to_have_text("stage_settlement")
+    expect(mapping.locator(".todo")).to_have_text("“sigma_v” has no unit: give the unit of x.")
+    mapping.get_by_label("Unit of x").fill("kPa")
+    expect(mapping.get_by_role("status")).to_contain_text(
+        "X is the number of the stage with the load of column sigma_v."
+    )
+    mapping.get_by_role("button", name="Add stage_settlement", exact=True).click()
+    expect(yaml(page)).to_have_value(re.compile(r"y_unit: mm\s[^-]*x: \[1(\.0)?, 3(\.0)?\]"))
+    mapping = drop(page, workbook(("s", LYING)), "own.xlsx")
+    mapping.get_by_label("Series").select_option(label="settlement: replaces 226 readings")
     mapping.get_by_label("Column of y", exact=True).select_option(label="Setzung: [mm] (B9:C9)")
     expect(chosen(mapping, "Column of x")).to_have_text("Zeit: [min] (B8:C8)")
     mapping.get_by_role("button", name=re.compile("settlement")).click()

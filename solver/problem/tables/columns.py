@@ -107,7 +107,7 @@ class Table:
     """Columns of a table, all of the same length; ``weight`` None when there is no such column.
 
     ``gross_errors`` are the places of marked rows; ``zero`` is the moment of x = 0, where x holds dates. ``left_out``
-    counts rows that lacked a number and are not here.
+    counts rows that lacked a number and are not here. ``by_load``: x are the stages whose loads the column holds.
     """
 
     x: list[float]
@@ -120,6 +120,7 @@ class Table:
     gross_errors: list[int] = field(default_factory=list)
     zero: datetime | None = None
     left_out: int = 0
+    by_load: bool = False
 
 
 def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Callable[..., Sheet] = read_cells) -> Table:

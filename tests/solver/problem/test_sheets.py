@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
-from geoswarm.solver.problem import read_measurements
-from tests.solver.problem.test_columns import mistakes, observed
+import yaml
+
+from geoswarm.solver.problem import measured_points, read_measurements
+from tests.solver.problem.test_columns import OEDOMETER, mistakes, observed
 from tests.solver.problem.test_laboratory_files import sheet_rows
 from tests.solver.problem.test_measurements import workbook
 
@@ -36,6 +39,23 @@ def test_a_look_at_a_sheet_whose_readings_lie_in_rows() -> None:
     assert [one.letters for one in columns] == ["B3:C3", "B4:C4", "B5:C5", "B6:C6", "B8:C8", "B9:C9"]
     settlement = columns[3]
     assert (settlement.unit, settlement.quantities[0], settlement.values) == ("mm", "settlement", (0.05, 0.08))
+
+
+def test_loads_in_place_of_the_numbers_of_stages(tmp_path: Path) -> None:
+    """A table of loads and settlements, the usual result of an oedometer test, had no x."""
+    text = "Last [MPa];Setzung [mm]\n0;0\n0,009;0,05\n0,01301;0,08\n"
+    end = {"series": "stage_settlement", "x_column": "Last", "y_column": "Setzung"}
+    wrong = mistakes(tmp_path, "a.csv", text, **end)
+    assert "x = 0 kPa (point 1) is the load of no stage of the forward model (9, 13); give the cells" in wrong
+    one = observed(tmp_path, "a.csv", text.replace("0;0\n", ""), **end)
+    assert (one.x.tolist(), one.x_unit, one.y_unit, one.points.y) == ([1, 2], None, "mm", [0.05, 0.08])
+    assert one.notes == ("x is the number of the stage with the load of column Last [MPa]",)
+    model = json.dumps(yaml.safe_load(OEDOMETER)["forward_model"])
+    asked = json.dumps(end | {"x_column": "L", "x_unit": "kPa"})
+    points, units = measured_points(asked, b"L;Setzung [mm]\n9;0,05\n13;0,08\n", "a.csv", model)
+    assert (points.x, units) == ([1, 2], {"x_unit": "dimensionless", "y_unit": "mm"})
+    back = text.replace("0;0\n", "").replace("0,009", "0,02")
+    assert "x = 20 kPa (point 1) is the load of no stage" in mistakes(tmp_path, "a.csv", back, **end)
 
 
 def test_letters_of_several_sheets_are_asked_for(tmp_path: Path) -> None:

@@ -6,14 +6,13 @@ import { button } from "../schema_form.js";
 import { unitsOf } from "../units.js";
 import { CELLS, section } from "./choices.js";
 import { words } from "./inputs.js";
-import { reference } from "./matching.js";
+import { meansLoad, reference } from "./matching.js";
 
-const LOADS = ["axial_stress", "normal_stress", "effective_stress"];
 const SHOWN = 6; // stages that a sentence names
 
 /** The column that seems to hold loads, by its words or its unit; undefined: none. */
 export function columnOfLoads(file) {
-  const meant = file.columns.findIndex((column) => column.kind === "number" && column.quantities.some((one) => LOADS.includes(one)));
+  const meant = file.columns.findIndex(meansLoad);
   const found = meant >= 0 ? meant : file.columns.findIndex((column) => column.kind === "number" && column.base === "kPa");
   return found >= 0 ? found : undefined;
 }
