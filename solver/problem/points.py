@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -220,7 +221,8 @@ def _table(
     """The table of a section, of all its blocks if it has some; what was done, and what is wrong."""
     read = functools.cache(read_cells)  # blocks of one sheet
     tables: list[Table] = []
-    parts = [columns_of(_of_block(section, block)) for block in section.blocks or [None]]
+    blocks: Sequence[BlockSection | None] = section.blocks or [None]
+    parts = [columns_of(_of_block(section, block)) for block in blocks]
     for place, part in enumerate(parts):
         at = f"{path}.file" if section.blocks is None else f"{path}.blocks[{place}]"
         alike = parts.count(part)
