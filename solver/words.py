@@ -41,8 +41,8 @@ FITS = {
     "describes": "the model describes the data",
     "gross_error": "without the readings that the others exclude, the model describes the data",
     "doubtful": "whether the model describes the data is doubtful",
-    "lack_of_fit": "the model does not describe the data, so no interval holds",
-    "error_not_met": "the stated error is not met, so no interval holds",
+    "lack_of_fit": "the model does not describe the data",
+    "error_not_met": "the stated error is not met",
     "untested": "whether the model describes the data has not been tested",
 }
 """Kind of the verdict on the fit -> words."""

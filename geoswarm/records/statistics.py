@@ -40,6 +40,16 @@ FitKind: TypeAlias = Literal["describes", "gross_error", "doubtful", "lack_of_fi
 """What is said of a fit: whether the model describes the data."""
 
 
+VerdictKind: TypeAlias = Literal[
+    "identified", "bounded_on_one_side", "in_combination", "not_identified", "undecided", "lack_of_fit", "error_not_met"
+]
+VerdictCode: TypeAlias = Literal[
+    "width", "several", "no_influence", "tied", "correlated", "no_interval", "not_minimum", "nonlinear", "no_error",
+    "unexplored", "untried", "misfit", "swarm", "thin", "few_good_fits"
+]  # fmt: skip
+"""What is said of a parameter, and why."""
+
+
 @record(closed=True)
 class SampleCounts:
     """Evaluations on which the statistics are based."""
@@ -131,6 +141,7 @@ class Evidence:
     exchangeable: list[str] = described("parameters with which it may be exchanged for all that is known")
     exact: bool = described("all readings are met to rounding, and no error is stated")
     spare: int | None = described("readings beyond the parameters, from which the error was estimated")
+    tests: int = described("tests that count as one each, as the model does not describe them; 0 otherwise")
 
 
 @record(closed=True)
@@ -138,33 +149,9 @@ class Verdict:
     """What the data say about one parameter."""
 
     parameter: str
-    kind: Literal[
-        "identified",
-        "bounded_on_one_side",
-        "in_combination",
-        "not_identified",
-        "undecided",
-        "lack_of_fit",
-        "error_not_met",
-    ]
+    kind: VerdictKind
     words: str = described('the kind in words, as tables show it; with "within one basin" where the runs are sparse')
-    code: Literal[
-        "width",
-        "several",
-        "no_influence",
-        "tied",
-        "correlated",
-        "no_interval",
-        "not_minimum",
-        "nonlinear",
-        "no_error",
-        "unexplored",
-        "untried",
-        "misfit",
-        "swarm",
-        "thin",
-        "few_good_fits",
-    ] = described("why; width: of the good fits or the interval, with the bounds that it reaches")
+    code: VerdictCode = described("why; width: of the good fits or the interval, with the bounds that it reaches")
     reason: str = described("why, in one clause; with words, the verdict in one line")
     sentence: str = described("all of it")
     evidence: Evidence
@@ -191,6 +178,18 @@ class Misfit:
 
 
 @record(closed=True)
+class Closeness:
+    """How close one quantity comes to its readings, over all series of it, in the unit of the data."""
+
+    quantity: str
+    series: int = described("number of series")
+    largest: Number = described("the largest residual in size")
+    deviation: Number = described("root mean square of the residuals, each series counting alike")
+    peak: Number = described("largest relative difference of a peak; null where the largest value is no strength")
+    unit: str
+
+
+@record(closed=True)
 class FitVerdict:
     """Whether the model describes the data; it comes before all other verdicts."""
 
@@ -202,6 +201,8 @@ class FitVerdict:
     remedies: list[str] = described("the texts of what_to_do")
     what_to_do: list[Remedy]
     level: float = described("probability of doubting a right model")
+    closeness: list[Closeness] = described("how close each quantity comes")
+    tests: int = described("tests that count as one piece of information each in the intervals, which hold then; or 0")
 
 
 @record(closed=True)

@@ -8,9 +8,18 @@ from typing import Literal
 
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.units import convert
-from geoswarm.solver.words import listed
+from geoswarm.solver.words import listed, share
 
-__all__ = ["DOES_NOT_HOLD", "SHORT", "Misfit", "headline_of", "sentence_of"]
+__all__ = [
+    "DOES_NOT_HOLD",
+    "SHORT",
+    "Closeness",
+    "Misfit",
+    "difference_in",
+    "headline_of",
+    "sentence_of",
+    "unit_of",
+]
 
 _NO_UNITS = ("", "1", "-", "dimensionless")
 _MOST_NAMED = 3
@@ -75,18 +84,13 @@ class Misfit:
         """The same with the numbers in the units of the data."""
         observation = next(o for o in problem.observations if o.series == self.series)
         info = next(i for i in problem.model.series if i.name == self.series)
-        unit, x_unit = observation.y_unit or info.y_unit, observation.x_unit or info.x_unit
-
-        def difference(value: float) -> float:  # offsets of a unit do not matter
-            zero, moved = convert([0.0, value], info.y_unit, unit)
-            return float(moved - zero)
-
+        unit, x_unit = unit_of(problem, self.series), observation.x_unit or info.x_unit
         return replace(
             self,
-            deviation=difference(self.deviation),
-            largest=difference(self.largest),
+            deviation=difference_in(info.y_unit, unit, self.deviation),
+            largest=difference_in(info.y_unit, unit, self.largest),
             x=float(convert([self.x], info.x_unit, x_unit)[0]),
-            unit="" if unit in _NO_UNITS else unit,
+            unit=unit,
             x_unit="" if x_unit in _NO_UNITS else x_unit,
         )
 
@@ -94,6 +98,47 @@ class Misfit:
     def place(self) -> str:
         """Series and stage in words."""
         return self.series if self.stage is None else f"{self.series}, stage {self.stage}"
+
+
+@dataclass(frozen=True, slots=True)
+class Closeness:
+    """How close one quantity comes to its readings, over all series of it.
+
+    Parameters
+    ----------
+    quantity
+        What was measured: ``q``, ``settlement``.
+    series
+        Number of series.
+    largest, deviation
+        The largest residual in size, and the root mean square, each series counting alike [unit].
+    peak
+        Largest relative difference between the largest calculated and the largest measured value of a series; None for
+        quantities whose largest value is no strength.
+    unit
+        Of the data, of the first series; empty for pure numbers.
+    """
+
+    quantity: str
+    series: int
+    largest: float
+    deviation: float
+    peak: float | None
+    unit: str
+
+
+def unit_of(problem: Problem, series: str) -> str:
+    """Unit in which the values of a series were given; empty for pure numbers."""
+    observation = next(o for o in problem.observations if o.series == series)
+    info = next(i for i in problem.model.series if i.name == series)
+    unit = observation.y_unit or info.y_unit
+    return "" if unit in _NO_UNITS else unit
+
+
+def difference_in(unit: str, shown: str, difference: float) -> float:
+    """Convert the difference of two values from one unit to another; offsets of a unit do not matter."""
+    zero, moved = convert([0.0, difference], unit, shown)
+    return float(moved - zero)
 
 
 def headline_of(kind: str, misfits: Sequence[Misfit]) -> str:
@@ -104,8 +149,20 @@ def headline_of(kind: str, misfits: Sequence[Misfit]) -> str:
     return _HEADLINES.get(kind, "")
 
 
-def sentence_of(misfits: Sequence[Misfit], *, doubtful: bool = False) -> str:
-    """Say where and by how much; ``doubtful``: patterns that a right model leaves now and then."""
+def sentence_of(
+    misfits: Sequence[Misfit], closeness: Sequence[Closeness] = (), *, doubtful: bool = False, tests: int = 0
+) -> str:
+    """Say where and by how much.
+
+    Parameters
+    ----------
+    closeness
+        Of all readings, said where more series are missed than can be named.
+    doubtful
+        Patterns that a right model leaves now and then.
+    tests
+        That count as one piece of information each in the intervals; 0: intervals do not hold.
+    """
     gross = [m for m in misfits if m.reason == "gross_error"]
     patterns = _patterns_of(misfits)
     exceeded = [m for m in misfits if m.reason == "stated_error"]
@@ -121,11 +178,26 @@ def sentence_of(misfits: Sequence[Misfit], *, doubtful: bool = False) -> str:
             f"{'; '.join(_how_far([m for m in patterns if m.series == name], name) for name in series[:_MOST_NAMED])}."
         )
     elif patterns:
-        parts.append(f"The model does not describe {listed(series)}{_of_each(patterns, series)}")
-        parts.append("The parameters are those of the closest curve, and their intervals do not hold.")
+        if len(series) > _MOST_NAMED and closeness:
+            parts.append(f"The model does not describe {len(series)} series: {_reason(patterns)}.")
+            parts.append(f"Over all readings, {listed([_within(one) for one in closeness])}.")
+        else:
+            parts.append(f"The model does not describe {listed(series)}{_of_each(patterns, series)}")
+        hold = f"their intervals {_counted(tests)}" if tests else "their intervals do not hold"
+        parts.append(f"The parameters are those of the closest curve, and {hold}.")
     if exceeded:
-        parts.append(_too_small(exceeded))
+        parts.append(_too_small(exceeded, 0 if patterns else tests))
     return " ".join(parts)
+
+
+def _within(one: Closeness) -> str:
+    peak = "" if one.peak is None else f", peaks within {share(one.peak)}"
+    mean = _amount(one.deviation, one.unit)
+    return f"{one.quantity} is met within {_amount(one.largest, one.unit)} (root mean square {mean}{peak})"
+
+
+def _counted(tests: int) -> str:
+    return f"count each of the {tests} tests as one piece of information"
 
 
 def _patterns_of(misfits: Sequence[Misfit]) -> list[Misfit]:
@@ -189,7 +261,7 @@ def _reason(misfits: Sequence[Misfit]) -> str:
     return f"noise has such a pattern with a probability {'below 0.2%' if least <= 0.002 else f'of {least:.1%}'}"
 
 
-def _too_small(exceeded: Sequence[Misfit]) -> str:
+def _too_small(exceeded: Sequence[Misfit], tests: int) -> str:
     """Stated errors that the residuals exceed."""
     each = [
         f"of {m.series} ({_amount(m.deviation, m.unit)}) {'' if number else 'are '}{m.ratio or 0.0:.2g} times"
@@ -198,9 +270,10 @@ def _too_small(exceeded: Sequence[Misfit]) -> str:
     several = len(exceeded) > 1
     left = len(exceeded) - len(each)
     others = f" ({left} more: see the table)" if left else ""
+    rest = f"intervals that rest on {'them' if several else 'it'} are about as many times too narrow"
     return (
         f"{'Stated errors are' if several else 'The stated error is'} not met: the residuals {listed(each)} as large"
-        f"{others}, so intervals that rest on {'them' if several else 'it'} are about as many times too narrow."
+        f"{others}, so {f'intervals {_counted(tests)}' if tests else rest}."
     )
 
 

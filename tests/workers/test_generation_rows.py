@@ -133,3 +133,22 @@ def test_of_a_generation_that_is_not_there_nothing_is_read(store: Store, hand: H
     rows = store.read(lambda c: load_generation(c, hand.job_id, 5, particles=[1], workers=["w1", "w2"]))
     assert (rows.size, rows.cells) == (0, {})
     assert store.read(lambda c: c.execute(select(evaluations.c.generation).distinct()).scalars().all()) == [0]
+
+
+def test_the_same_parameters_have_every_column_of_their_earlier_run_but_its_times(
+    store: Store, settings: Settings, service: JobService
+) -> None:
+    whole = {"a": {"lower": 0, "upper": 3, "integer": True}, "b": {"value": 1}}
+    problem = line(parameters=whole, stopping={"max_evaluations": 30})
+    runtime = runtime_for(store, settings, single_seconds=0.0, cheap_seconds=0.0)
+    hand = Hand(runtime, service.submit(problem)[0].id, "w1", course(problem))
+    hand.take()
+    while hand.claim is not None:
+        hand.submit()
+    rows = store.read(lambda c: c.execute(select(evaluations).order_by(evaluations.c.generation)).mappings().all())
+    first = {row["parameters"]: row for row in reversed(rows)}
+    again = [row for row in rows if row["seconds"] == 0.0]
+    assert again
+    own = {"generation", "particle", "worker", "started_at", "finished_at", "seconds"}
+    shared = {column.name for column in evaluations.c} - own
+    assert all(row[name] == first[row["parameters"]][name] for row in again for name in shared)

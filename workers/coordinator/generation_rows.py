@@ -87,6 +87,10 @@ EARLIER = (
     )
     .order_by(evaluations.c.generation, evaluations.c.particle)
 )
+_TIMES = {"lease_expires_at", "started_at", "finished_at", "seconds"}
+_OF_ITS_RUN = {"state", "parameters", "attempts", "duplicates", "worker"} | _TIMES
+_RESULT = [c.name for c in evaluations.c if not c.primary_key and c.name not in _OF_ITS_RUN]
+"""Columns that depend on the parameters alone: equal parameters share them."""
 
 
 @dataclass(slots=True)
@@ -356,8 +360,7 @@ def reuse(connection: Connection, generation_rows: GenerationRows) -> None:
     for cell in generation_rows.cells.values():
         if cell.parameters in earlier and not cell.status.done:
             row = earlier[cell.parameters]
-            kept = ("objective", "misfits", "responses", "reason", "message", "log")
-            columns = {name: row._mapping[name] for name in kept}
+            columns = {name: row._mapping[name] for name in _RESULT}
             cell.set(
                 EvaluationStatus(row.state, 1, row.worker),
                 **columns,

@@ -8,7 +8,7 @@ const SIGNS = { doubtful: "?", gross_error: "!" };
 
 /** Whether intervals do not hold, and what to say beside them; empty where nothing is wrong. */
 export function doubt(fit) {
-  return fit && WRONG.has(fit.kind) ? fit.headline : "";
+  return fit && WRONG.has(fit.kind) && !fit.tests ? fit.headline : "";
 }
 
 /** The elements of the alarm of a verdict on the fit; none where nothing is wrong. With a job, a link to its problem. */

@@ -37,7 +37,7 @@ def interval_heading(level: float, fit: Mapping[str, Any] | None) -> tuple[str, 
     """Headings of the two ends of an interval; they say where it does not hold."""
     from geoswarm.solver.identifiability.misfits import SHORT
 
-    doubt = SHORT.get("" if fit is None else fit["kind"], "")
+    doubt = "" if fit is None or fit["tests"] else SHORT.get(fit["kind"], "")
     return f"{level:.0%} from" + (f" ({doubt})" if doubt else ""), "to"
 
 
@@ -71,7 +71,7 @@ def show_values(
     """
     columns = ("parameter", "", "best fit", "95 % from", "to", "unit", "verdict")
     echo_table(title, columns, _parameter_rows(problem, values, found), right=(2, 3, 4))
-    if found is None or found["fit"]["kind"] not in ("describes", "untested"):
+    if found is None or not (found["fit"]["kind"] in ("describes", "untested") or found["fit"]["tests"]):
         return  # what is wrong with the fit stands above, with what to do
     doubtful = [verdict for verdict in found["verdicts"] if verdict["kind"] != "identified"]
     for verdict in doubtful:

@@ -29,6 +29,7 @@ CORRECTED = 0.2
 """The largest such part for which one run at each end of the linearised interval is enough to move it."""
 
 _FAR, _MISPLACED = 0.2, 1.0  # standard errors
+_WIDER = 1.05  # the least factor that is said
 _BASES: dict[IntervalBasis, str] = {
     "linearised": "",
     "correlated": "widened for correlated residuals",
@@ -117,7 +118,7 @@ class Linearisation:
         How much the profile objective of each parameter rises to the ends of its interval, shape (d,); for a parameter
         without one, by the mean noise variance of the weighted points. nan without noise.
     fit
-        Whether the model describes the data; where it does not, no interval holds.
+        Whether the model describes the data; where it does not, only intervals that count whole tests hold.
     model
         The linearised model itself.
     linear_half_widths
@@ -239,6 +240,11 @@ class Linearisation:
         """How many times wider an allowance for dependence makes its interval by linearisation."""
         return float(self.widening[self.names.index(name)])
 
+    def counts_tests(self, name: str) -> bool:
+        """Whether its interval counts each test as one piece of information, so that it holds for a wrong model."""
+        half = None if self.without is None else self.without.half_widths[self.names.index(name)]
+        return self.fit.tests > 0 and half is not None and bool(np.isfinite(half))
+
     def _allowance(self, name: str) -> str:
         """For what its interval is widened, in a few words; empty where it is not."""
         basis, factor = self.basis(name), self.widening_of(name)
@@ -246,7 +252,7 @@ class Linearisation:
         kind: IntervalBasis | None = next((kind for kind in ALLOWANCES if kind in kinds), None)
         if name in self.between_tests:
             kind = "tests"
-        return "" if kind is None else f"{_BASES[kind]} by a factor of {factor:.2g}"
+        return "" if kind is None or factor < _WIDER else f"{_BASES[kind]} by a factor of {factor:.2g}"
 
     def basis_in_words(self, name: str) -> str:
         """What its interval rests on, in a few words; empty for linearisation where that is enough."""

@@ -136,6 +136,8 @@ def linearise(
         lambda moves: _natural(calibration, jacobian.optimum, moves),
     )
     between = without.half_widths if without is not None and fit.kind in _TESTS_DIFFER else None
+    if without is not None:
+        fit = fit.between(len(without.tests))
     spread = Spread.of(calibration, weighted, weights, residuals, step, found, estimate, level, dependence, between)
     if unclear:
         spread = spread.without_intervals()

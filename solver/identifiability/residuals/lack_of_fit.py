@@ -10,15 +10,16 @@ before and left out of these tests. docs/statistics.md says how often the tests 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability.misfits import Misfit, headline_of, sentence_of
+from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD, Closeness, Misfit, headline_of, sentence_of
 from geoswarm.solver.identifiability.remedies import Remedy, follow_up, remedies_of
+from geoswarm.solver.identifiability.residuals.closeness import closeness_of
 from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, excluded_readings
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
 from geoswarm.solver.identifiability.residuals.readings import (
@@ -81,6 +82,11 @@ class FitVerdict:
         What to do.
     level
         Of the test.
+    closeness
+        How close the calculated curves come, by quantity; empty where nothing was tested.
+    tests
+        Number of tests that count as one piece of information each in the intervals, which hold then although the model
+        or the stated error is wrong; 0 otherwise.
     """
 
     kind: FitKind
@@ -88,11 +94,34 @@ class FitVerdict:
     misfits: tuple[Misfit, ...] = ()
     remedies: tuple[Remedy, ...] = ()
     level: float = LEVEL
+    closeness: tuple[Closeness, ...] = ()
+    tests: int = 0
 
     @property
     def wrong(self) -> bool:
-        """Whether intervals do not hold, because the model or the stated error is wrong."""
+        """Whether the model or the stated error is wrong: intervals do not hold unless they count whole tests."""
         return self.kind in ("lack_of_fit", "error_not_met")
+
+    @property
+    def caution(self) -> str:
+        """What stands beside an interval; empty where it holds."""
+        return DOES_NOT_HOLD[self.kind] if self.wrong and not self.tests else ""
+
+    @property
+    def words(self) -> str:
+        """The kind in a clause."""
+        return f"{FITS[self.kind]}, so no interval holds" if self.caution else FITS[self.kind]
+
+    def between(self, tests: int) -> FitVerdict:
+        """The same where intervals count each of so many tests as one piece of information.
+
+        What is missed by far, or no soil can have, is no matter of tests that differ.
+        """
+        if not self.wrong or not self.misfits or any(one.reason == "missed" for one in self.misfits):
+            return self
+        said = sentence_of(self.misfits, self.closeness, tests=tests)
+        remedies = tuple(one for one in self.remedies if one.kind != "thin")  # dependent readings are allowed for
+        return replace(self, tests=tests, sentence=said, remedies=remedies)
 
     @property
     def headline(self) -> str:
@@ -103,7 +132,7 @@ class FitVerdict:
         """Plain JSON values."""
         remedies = [remedy.to_json() for remedy in self.remedies]
         lists = {"misfits": [asdict(m) for m in self.misfits], "remedies": [one["text"] for one in remedies]}
-        return asdict(self) | lists | {"what_to_do": remedies, "headline": self.headline, "words": FITS[self.kind]}
+        return asdict(self) | lists | {"what_to_do": remedies, "headline": self.headline, "words": self.words}
 
 
 def untested(why: str, *remedies: Remedy) -> FitVerdict:
@@ -146,7 +175,7 @@ def examine_fit(
         return unfit
     readings = readings_at(calibration, responses, derivatives)
     if at_bound and (missed := _missed(readings, known)):
-        return _verdict(calibration.problem, missed)
+        return _verdict(calibration.problem, readings, missed)
     basis = weighted_basis(readings.weighted)
     count, rank = len(readings.x), basis.shape[1]
     free = count - rank
@@ -171,13 +200,13 @@ def examine_fit(
         if moved and not gross:
             return untested(_NOT_YET, follow_up("sensitivity"))
         if moved or free < FEWEST_FREE:  # too few for a pattern; their size tells from the first on
-            return _verdict(calibration.problem, [*gross, *exceeded], patterns=False)
+            return _verdict(calibration.problem, readings, [*gross, *exceeded], patterns=False)
     parts, places = _parts(calibration.problem, readings)
     misfits = [*_patterns(readings, parts, places, deviations, known is not None)]
     misfits += _repeats(readings, deviations, rank, known)
     if exceeded and not misfits:
         misfits += _patterns(readings, parts, places, spread_of(readings, readings.scaled), False)
-    return _verdict(calibration.problem, [*gross, *misfits, *exceeded])
+    return _verdict(calibration.problem, readings, [*gross, *misfits, *exceeded])
 
 
 def _gross(
@@ -340,14 +369,17 @@ def _exceeded(readings: Readings, deviations: FloatArray) -> list[Misfit]:
     return sorted(found, key=lambda misfit: -(misfit.ratio or 0.0))
 
 
-def _verdict(problem: Problem, misfits: Sequence[Misfit], *, patterns: bool = True) -> FitVerdict:
+def _verdict(problem: Problem, readings: Readings, misfits: Sequence[Misfit], *, patterns: bool = True) -> FitVerdict:
     """The verdict from what was found; ``patterns``: whether there were enough readings to look for them."""
     found = tuple(misfit.in_units_of(problem) for misfit in misfits)
+    close = closeness_of(problem, [o.series for o in readings.observed], readings.measured)
     if not found:
         looks = "looks like independent noise" if patterns else "is within the stated error; too few readings for more"
-        return FitVerdict("describes", f"No lack of fit was found: what the model leaves {looks}.")
+        said = f"No lack of fit was found: what the model leaves {looks}."
+        return FitVerdict("describes", said, closeness=close)
     kind = _kind(found)
-    return FitVerdict(kind, sentence_of(found, doubtful=kind == "doubtful"), found, remedies_of(problem, found))
+    said = sentence_of(found, close, doubtful=kind == "doubtful")
+    return FitVerdict(kind, said, found, remedies_of(problem, found), closeness=close)
 
 
 def _kind(misfits: Sequence[Misfit]) -> FitKind:

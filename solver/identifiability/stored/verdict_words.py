@@ -57,11 +57,12 @@ def in_words(
 
 
 def _claim(kind: VerdictKind, evidence: Evidence) -> str:
+    model = ", for this model" if evidence.tests else ""
     match kind:
         case "identified":
-            return f"is identified{' within one basin only' if evidence.sparse else ''}"
+            return f"is identified{' within one basin only' if evidence.sparse else ''}{model}"
         case "bounded_on_one_side":
-            return f"is only bounded from {'above' if evidence.open_below else 'below'}"
+            return f"is only bounded from {'above' if evidence.open_below else 'below'}{model}"
         case "in_combination":
             return f"is determined only in combination with {_partners(evidence)}"
         case "not_identified":
@@ -164,6 +165,11 @@ def _caveats(kind: VerdictKind, evidence: Evidence) -> list[str]:
     if evidence.basis != "linearisation" or kind not in ("identified", "bounded_on_one_side"):
         return []
     parts = ["it holds within its basin"]
+    if evidence.tests:
+        parts[:0] = [
+            f"it counts each of the {evidence.tests} tests as one piece of information, as the model does not describe "
+            "them within the scatter of their readings"
+        ]
     if evidence.hidden is not None:
         sparse = "the runs are sparse, and " if evidence.sparse else ""
         parts.append(f"{sparse}one like it could still hide in {_share(evidence.hidden)} of the searched space")

@@ -17,7 +17,8 @@ Rules, in this order (docs/statistics.md explains them):
    stored runs fit as well as the optimum outside the region that the linearisation allows.
 
 Before all of them stands the fit (``residuals.lack_of_fit``): where the model does not
-describe the data, or a stated error is not met, no parameter is called ``identified`` or ``bounded_on_one_side``.
+describe the data, or a stated error is not met, a parameter is called ``identified`` or ``bounded_on_one_side`` only
+by an interval that counts each test as one piece of information.
 """
 
 from __future__ import annotations
@@ -117,6 +118,8 @@ class Evidence:
         Parameters with which it may be exchanged for all that is known.
     exact, spare
         As in :class:`Beyond`.
+    tests
+        Number of tests that count as one piece of information each, where the model does not describe them; else 0.
     """
 
     basis: Literal["sampling", "linearisation", "none"]
@@ -136,6 +139,7 @@ class Evidence:
     exchangeable: tuple[str, ...] = ()
     exact: bool = False
     spare: int | None = None
+    tests: int = 0
 
     @property
     def sparse(self) -> bool:
@@ -170,9 +174,10 @@ class Verdict:
 
     @property
     def words(self) -> str:
-        """The kind in words, as every table shows it: "identified", or "identified within one basin"."""
+        """The kind in words, as every table shows it: "identified", "identified within one basin, for this model"."""
         within = " within one basin" if self.kind == "identified" and self.evidence.sparse else ""
-        return f"{verdict_in_words(self.kind)}{within}"
+        model = ", for this model" if self.evidence.tests else ""
+        return f"{verdict_in_words(self.kind)}{within}{model}"
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -262,7 +267,10 @@ def judge(
             solutions = tuple(float(other.parameters[index]) for other in others if name in other.differs)
             kind, code, evidence = _look_beyond(name, index, (kind, code, evidence), solutions, beyond)
         if fit is not None and fit.wrong and kind in ("identified", "bounded_on_one_side"):
-            kind, code = "lack_of_fit" if fit.kind == "lack_of_fit" else "error_not_met", "misfit"
+            if evidence.basis == "linearisation" and linearisation is not None and linearisation.counts_tests(name):
+                evidence = replace(evidence, tests=fit.tests)
+            else:
+                kind, code = "lack_of_fit" if fit.kind == "lack_of_fit" else "error_not_met", "misfit"
         reason, sentence = in_words(name, kind, code, evidence, linearisation, filtered.thin)
         ignored = code == "no_influence" and evidence.basis == "none"  # by the model: no value and no test mends that
         proposals = () if ignored else propose(name, kind, filtered.samples, projection, evidence.partners)

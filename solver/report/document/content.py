@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from geoswarm.solver.identifiability import Statistics
-from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD, headline_of
+from geoswarm.solver.identifiability.misfits import headline_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.stored.verdict_words import where_intervals_hold
@@ -257,9 +257,9 @@ def _parameter_table(
 
 
 def _doubt(statistics: Statistics | None) -> str:
-    """What follows every interval where the model does not describe the data."""
+    """What follows every interval where none holds."""
     fit = None if statistics is None else statistics.fit
-    return f" ({DOES_NOT_HOLD[fit.kind]})" if fit is not None and fit.wrong else ""
+    return f" ({fit.caution})" if fit is not None and fit.caution else ""
 
 
 def _laboratory_tables(

@@ -268,7 +268,7 @@ class FigureSet:
     @cached_property
     def _compression(self) -> tuple[CompressionCurve, ...]:
         best, statistics = self._record.best, self._statistics
-        found = None if statistics is None or statistics.fit.wrong else statistics.linearisation
+        found = None if statistics is None or statistics.fit.caution else statistics.linearisation
         return () if best is None else compression_curves(self._problem, best.parameters, found)
 
     def _matrix(self, statistics: Statistics, samples: Samples) -> MatrixData:

@@ -9,7 +9,8 @@ import pytest
 from scipy.stats import t as student
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.identifiability import Linearisation
+from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability import Linearisation, Samples, Statistics, analyse
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.uncertainty_tables import left_out_table
 from geoswarm.solver.report.figures.labels import parameter_labels
@@ -25,7 +26,7 @@ def several(slopes: FloatArray, noise: FloatArray, expression: str = "a + b * x"
             "kind": "combined",
             "parts": {name: {"kind": "formula", "series": {"y": expression}} for name in names},
         },
-        "parameters": {"a": free(-10.0, 10.0), "b": free(-10.0, 10.0)},
+        "parameters": {"a": free(-10.0, 10.0), "b": free(-8.0, 10.0)},
         "observations": [
             {"series": f"{name}.y", "points": {"x": X.tolist(), "y": y.tolist()}}
             for name, y in zip(names, curves, strict=True)
@@ -92,8 +93,70 @@ def test_two_tests_say_nothing_of_tests() -> None:
     assert at_optimum(several(np.array([2.0, 2.5]), np.zeros((2, X.size))))[0].without is None
 
 
+def judged(problem: Problem, found: Linearisation) -> Statistics:
+    """Statistics with the optimum as the best of a few evaluations."""
+    positions = found.optimum + 0.01 * np.eye(len(found.names), 5, 1).T
+    samples = Samples.from_arrays(problem, positions, 1.0 + np.arange(5.0))
+    return analyse(Calibration(problem, 1), samples, linearisation=found)
+
+
+def test_tests_that_differ_leave_the_parameters_of_this_model_identified() -> None:
+    rng = np.random.default_rng(3)
+    problem = several(np.array([2.0, 2.6, 1.3, 2.1, 2.4]), 0.05 * rng.normal(size=(5, X.size)))
+    found, _ = at_optimum(problem)
+    statistics = judged(problem, found)
+    verdict = statistics.verdict("b")
+    assert verdict.kind == "identified"
+    assert verdict.words == "identified within one basin, for this model"  # the few evaluations leave room for others
+    assert "it counts each of the 5 tests as one piece of information" in verdict.sentence
+    assert statistics.fit.kind == "lack_of_fit"
+    assert (statistics.fit.tests, statistics.fit.caution) == (5, "")
+    assert statistics.fit.words == "the model does not describe the data"
+    assert "their intervals count each of the 5 tests as one piece of information" in statistics.fit.sentence
+
+
+def test_without_several_tests_a_wrong_model_identifies_nothing() -> None:
+    rng = np.random.default_rng(3)
+    problem = several(np.array([2.0, 2.6]), 0.05 * rng.normal(size=(2, X.size)))
+    found, _ = at_optimum(problem)
+    fit = judged(problem, found).fit
+    assert judged(problem, found).verdict("b").kind == "lack_of_fit"
+    assert (fit.tests, fit.caution) == (0, "the model does not describe the data: the interval does not hold")
+    assert fit.words.endswith("so no interval holds")
+
+
+def test_what_a_single_test_determines_is_not_identified_by_a_wrong_model() -> None:
+    problem = several(np.array([2.0, 2.6, 1.3]), 0.05 * np.random.default_rng(3).normal(size=(3, X.size)))
+    document = problem.document()
+    document["forward_model"]["parts"]["test_1"]["series"]["y"] = "a + b * x + c"
+    document["parameters"]["c"] = free(-9.0, 10.0)
+    widened = parse_problem(document)
+    rows = np.array([[1.0, x, float(g == 0)] for g in range(3) for x in X.tolist()])
+    best = np.linalg.lstsq(rows, np.concatenate([o.y for o in widened.observations]))[0]
+    found = linearised(widened, best.tolist())
+    assert found.fit.tests == 3
+    verdicts = judged(widened, found)
+    assert [verdicts.verdict(name).kind for name in "bc"] == ["identified", "lack_of_fit"]
+
+
+def test_how_close_is_said_by_quantity_over_all_tests() -> None:
+    """Residuals, root mean square and peaks by hand: test 1 misses by 0.5 throughout, test 2 by -0.3, test 3 not."""
+    problem = several(np.array([2.0, 2.0, 2.0]), np.array([[0.5], [-0.3], [0.0]]) * np.ones_like(X))
+    document = problem.document()
+    for part in document["forward_model"]["parts"].values():
+        part["series"] = {"q": part["series"]["y"]}
+    for observation in document["observations"]:
+        observation["series"] = observation["series"].replace(".y", ".q")
+    (close,) = linearised(parse_problem(document), [2.0, 2.0]).fit.closeness
+    peak = 2.0 + 2.0 * X.max()
+    assert (close.quantity, close.series, close.unit) == ("q", 3, "")
+    assert close.largest == pytest.approx(0.5)
+    assert close.deviation == pytest.approx(np.sqrt((0.25 + 0.09) / 3.0))
+    assert close.peak == pytest.approx(0.5 / (peak + 0.5))
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("tests", [5, 10])
+@pytest.mark.parametrize("tests", [3, 5, 10])
 def test_intervals_cover_the_mean_of_specimens_that_scatter(tests: int) -> None:
     """200 data bases: slopes of specimens scatter by 10 %, and no specimen has the curvature of the model.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import get_args, get_type_hints
 
 from geoswarm.records.remedy import Remedy as StoredRemedy
-from geoswarm.solver.identifiability.misfits import Misfit, sentence_of
+from geoswarm.solver.identifiability.misfits import Closeness, Misfit, sentence_of
 from geoswarm.solver.identifiability.remedies import FollowUpKind, RemedyKind, follow_up, remedies_of
 from tests.solver.problem.test_selection import staged
 
@@ -45,6 +45,17 @@ def test_each_of_several_series_is_named() -> None:
     assert "near 0.1 %); more than the scatter of repeats explains." in found
 
 
+def test_many_series_are_said_by_quantity() -> None:
+    many = [replace(Q, series=f"t{number}.q") for number in range(12)]
+    close = [Closeness("q", 12, 21.0, 8.1, 0.04, "kPa"), Closeness("volumetric strain", 12, 0.3, 0.12, None, "%")]
+    assert sentence_of(many, close, tests=12) == (
+        "The model does not describe 12 series: noise has such a pattern with a probability below 0.2%. Over all "
+        "readings, q is met within 21 kPa (root mean square 8.1 kPa, peaks within 4.0%) and volumetric strain is met "
+        "within 0.3 % (root mean square 0.12 %). The parameters are those of the closest curve, and their intervals "
+        "count each of the 12 tests as one piece of information."
+    )
+
+
 def test_stated_errors_are_told_together() -> None:
     one = replace(Q, reason="stated_error", ratio=2.9)
     assert sentence_of([one]) == (
@@ -56,6 +67,9 @@ def test_stated_errors_are_told_together() -> None:
         "Stated errors are not met: the residuals of q (8.1 kPa) are 2.9 times, of u (8.1 kPa) 2.9 times and of v "
         "(8.1 kPa) 2.9 times as large (2 more: see the table), so intervals that rest on them are about as many times "
         "too narrow."
+    )
+    assert sentence_of([one], tests=4).endswith(
+        "2.9 times as large, so intervals count each of the 4 tests as one piece of information."
     )
 
 

@@ -9,6 +9,7 @@ import { nextStep } from "./next_step.js";
 
 const FORMS = { fixed: "fixed", linked: "linked" };
 const NEAR = 1e-6; // parts of the searched range, as in at_bounds of a job
+const MOST_NAMED = 3;
 const AWAY = 0.5; // standard errors
 
 const listed = (names) => (names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`);
@@ -18,7 +19,9 @@ function summary({ verdicts, fit }, shares, short = false) {
   const groups = new Map();
   for (const { parameter, words } of verdicts) groups.set(words, [...(groups.get(words) ?? []), symbol(parameter)]);
   const told = [...groups].map(([words, names]) => `${words}: ${names.join(", ")}`);
-  const left = shares.slice(0, 3).map(({ series, root_mean_square: value, unit }) => `${amount(value, unit)}${shares.length > 1 ? ` in ${plain(series)}` : ""}`);
+  const all = shares.length > MOST_NAMED && !short && fit.closeness.length; // by quantity over all tests
+  const left = (all ? fit.closeness.map(({ quantity, deviation, unit }) => [quantity, deviation, unit]) : shares.slice(0, MOST_NAMED).map(({ series, root_mean_square: value, unit }) => [plain(series), value, unit]))
+    .map(([name, value, unit]) => `${amount(value, unit)}${shares.length > 1 ? ` in ${name}` : ""}`);
   const text = [...told, left.length ? `${short ? "the best run of the search" : "the fit"} leaves ${listed(left)} (root mean square)` : null, fit.words].filter(Boolean).join("; ");
   return `${text[0].toUpperCase()}${text.slice(1)}.`;
 }
