@@ -184,7 +184,7 @@ def _range(sheet: Sheet, wanted: str, file: str) -> Picked:
         before = [_cell(sheet.grid.get(line, []), first) for line in range(top - 1, 0, -1)]
         return Picked(wanted, cells, heading=_heading(before))
     row = sheet.grid.get(top, [])
-    after = unit_of_cell(_cell(row, last + 1))
+    after = unit_of_cell(next((cell for cell in row[last + 1 :] if cell == "" or not is_reading(cell)), ""))
     heading = _heading([_cell(row, place) for place in range(first - 1, -1, -1)])
     cells = [(top, _cell(row, place)) for place in range(first, last + 1)]
     return Picked(wanted, cells, heading=heading if after is None else f"{heading} [{after}]")

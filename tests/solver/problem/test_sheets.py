@@ -29,6 +29,9 @@ def test_readings_in_rows_have_the_unit_behind_them_and_their_cells_are_named(tm
     content = workbook(("s", LYING))
     one = observed(tmp_path, "a.xlsx", content, x_column="B5:C5", y_column="B6:C6")
     assert (one.x_unit, one.y_unit, one.points.y) == ("min", "mm", [0.05, 0.08])
+    part = sheet_rows(("Zeit:", 1, 2, 3, "min"), ("Setzung:", 0.1, 0.2, 0.3, "mm"))
+    one = observed(tmp_path, "a.xlsx", workbook(("s", part)), x_column="B1:C1", y_column="B2:C2")
+    assert (one.x_unit, one.y_unit, one.points.y) == ("min", "mm", [0.1, 0.2])
     wrong = mistakes(tmp_path, "a.xlsx", content, x_column="zeit", y_column="Setzung")
     assert "there is no column 'zeit', but rows begin with it; name the cells of one: B5:C5 or B8:C8" in wrong
     assert "'Setzung', but rows begin with it; name the cells of one: B6:C6 or B9:C9" in wrong
