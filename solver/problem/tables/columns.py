@@ -52,7 +52,7 @@ class Columns:
     Parameters
     ----------
     sheet
-        Of a workbook; the first one with cells if None.
+        Of a workbook; the only one with these columns, else the first one with cells, if None.
     origin
         Date and time at which x is 0, where x holds dates; the first one if None.
     inputs
