@@ -56,7 +56,7 @@ check: $(INSTALLED)  ## format, lint, generated client, types, import rules, spe
 	@$(BIN)/ruff format --check --quiet . || { echo 'ruff format: run `make format`'; exit 1; }
 	$(BIN)/ruff check --quiet .
 	$(BIN)/python scripts/generate_client.py --check
-	$(BIN)/mypy
+	MYPY_NUM_WORKERS=2 $(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/codespell
 	echo 'check: format, lint, generated client, types, import rules and spelling are in order'

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from geoswarm.solver.forward.registry import BUILT_IN as FORWARD_MODELS
 from geoswarm.solver.methods.base import Role
 from geoswarm.solver.methods.registry import BUILT_IN, find_method, kinds_of
 
@@ -32,23 +33,7 @@ from problem_reference_texts import (  # noqa: E402
 )
 
 PAGE = ROOT / "docs" / "problem-file.md"
-KINDS = (
-    *(
-        "oedometer",
-        "isotropic_compression",
-        "crs_oedometer",
-        "consolidation",
-        "triaxial",
-        "direct_simple_shear",
-        "column",
-        "section",
-        "finite_element",
-    ),
-    *("formula", "combined", "python", "command", "umbridge", "registered"),
-)
 EXAMPLES = {"oedometer": "oedometer", "isotropic_compression": "isotropic_compression", "section": "slope"}
-LABORATORY = ("crs_oedometer", "consolidation", "triaxial", "direct_simple_shear")
-"""Tests on any law, whose parameters and series are told for the example of their kind."""
 
 
 def main() -> None:
@@ -133,7 +118,10 @@ def page() -> str:
         INDEX_PROPERTIES,
         fields(definitions["IndexSection"], definitions),
         "## forward_model",
-        *(forward_model(kind, definitions) for kind in KINDS),
+        *(
+            forward_model(kind, definitions)
+            for kind in sorted(FORWARD_MODELS, key=("formula", "combined").__contains__)
+        ),
     ]
     return "\n\n".join(section.strip("\n") for section in sections) + "\n"
 
@@ -141,6 +129,7 @@ def page() -> str:
 def forward_model(kind: str, definitions: dict[str, Any]) -> str:
     """The part of the page about one kind of forward model."""
     from geoswarm.solver.forward.registry import find_spec, parse_spec
+    from geoswarm.solver.laboratory.section import FlowSpec, LaboratorySpec
     from geoswarm.solver.problem import read_document
     from geoswarm.solver.problem.text.writing import problem_yaml
 
@@ -200,11 +189,11 @@ def forward_model(kind: str, definitions: dict[str, Any]) -> str:
             "Series:",
             series(model.series),
         ]
-    elif kind in LABORATORY:
+    elif issubclass(find_spec(kind), LaboratorySpec):
         section = find_spec(kind).example() or {}
         known = parse_spec(section).build().series
         repeated = ("time_", "stage_", "branch_", "cycle_")
-        water = kind in ("crs_oedometer", "consolidation")
+        water = issubclass(find_spec(kind), FlowSpec)
         states = "" if water else ", and the state variables of the law come to all of them"
         parts += [
             f"Parameters are those of the law{', `k` and `C_k`' if water else ''}. For example:",

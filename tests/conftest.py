@@ -34,6 +34,7 @@ LONGEST = (
     "attacks",
     "contracts",
     "examples",
+    "verification",
     "workers",
     "api",
 )

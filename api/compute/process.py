@@ -10,6 +10,7 @@ import os
 import shutil
 import signal
 import socket
+import ssl
 import subprocess
 import sys
 import tempfile
@@ -79,7 +80,10 @@ class ComputeProcess:
                 self._process.stdin.write(text.encode() + b"\n")
                 self._process.stdin.flush()
         self._client = httpx.AsyncClient(
-            transport=httpx.AsyncHTTPTransport(uds=address), timeout=httpx.Timeout(None), trust_env=False
+            # a context of its own: httpx would read the authorities of TLS, which takes longer than a request
+            transport=httpx.AsyncHTTPTransport(verify=ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT), uds=address),
+            timeout=httpx.Timeout(None),
+            trust_env=False,
         )
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import ssl
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -36,6 +37,7 @@ __all__ = [
     "Problem",
     "Query",
     "SortKey",
+    "authorities",
     "connection_failed",
     "connection_settings",
     "error_of",
@@ -106,6 +108,14 @@ def connection_settings(base_url: str | None, api_key: str | None) -> tuple[str,
         where = "the API key" if api_key else "the API key in GEOSWARM_API_KEY"
         raise GeoswarmError(f"{where} has the character {wrong!r}; keys are printable ASCII, such as gsw_0f3a...")
     return url, {"Authorization": f"Bearer {key}"} if key else {}
+
+
+def authorities(url: str) -> ssl.SSLContext | bool:
+    """What httpx checks certificates of a service with: none is trusted where none is used.
+
+    Reading the authorities takes longer than a request.
+    """
+    return url.lower().startswith("https:") or ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
 
 
 @cache

@@ -137,7 +137,7 @@ def begin(site: Site, visit: Visit, kind: str) -> Page:
     return page
 
 
-@pytest.mark.parametrize("kind", variants(BY_DEFAULT, {"triaxial", "column"}))
+@pytest.mark.parametrize("kind", variants(BY_DEFAULT, {"triaxial"}))
 def test_each_test_is_given_with_another_law(embedded: Site, visit: Visit, kind: str) -> None:
     page = begin(embedded, visit, kind)
     choose(page, kind, BY_DEFAULT[kind])

@@ -93,6 +93,7 @@ def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit
     check_calculates(page)
 
 
+@pytest.mark.slow
 def test_hardening_soil_with_small_strains_is_calculated_with_its_parameters(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "sand", "triaxial")
     expect(page.locator('[data-path="forward_model.shearing[1].deviator_stress"]')).to_have_value("20")

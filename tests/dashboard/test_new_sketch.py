@@ -42,7 +42,7 @@ def give(page: Page, kind: str) -> None:
     )
 
 
-@pytest.mark.parametrize("kind", variants(CASES, {"triaxial", "column"}))
+@pytest.mark.parametrize("kind", variants(CASES, {"triaxial"}))
 def test_each_test_is_drawn_and_follows_what_is_typed(embedded: Site, visit: Visit, kind: str) -> None:
     first, field, value, then = CASES[kind]
     page, _ = visit(embedded, "/new")
@@ -91,7 +91,7 @@ def test_several_tests_are_drawn_with_their_names(embedded: Site, visit: Visit) 
     assert page.locator("#sketch h3").all_inner_texts()[:2] == headings
 
 
-@pytest.mark.parametrize("kind", variants(CASES, {"triaxial", "column"}))
+@pytest.mark.parametrize("kind", variants(CASES, {"column"}))
 def test_the_sketch_can_be_read_on_a_phone(embedded: Site, visit: Visit, kind: str) -> None:
     page, _ = visit(embedded, "/new", viewport={"width": 390, "height": 844}, color_scheme="dark")
     give(page, kind)

@@ -34,14 +34,25 @@ def ran(script: Path, *options: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("number", "expected"),
-    [(0, "s_end is identified"), (1, "(2, 3)|<Result stagnation_generations"), (2, "'a': ")],
+    ("number", "longer", "shorter", "expected"),
+    [
+        (0, '"max_evaluations": 600', '"max_evaluations": 60', "s_end is identified"),
+        (
+            1,
+            "seed=1,",
+            'seed=1, stopping={"max_evaluations": 60},',
+            r"max_evaluations: .*\n.* \(\d+, 3\)\n",
+        ),
+        (2, "120", "30", "'a': "),
+    ],
 )
-def test_examples_of_the_page_run(tmp_path: Path, number: int, expected: str) -> None:
+def test_examples_of_the_page_run(tmp_path: Path, number: int, longer: str, shorter: str, expected: str) -> None:
+    """With fewer evaluations than the page shows, which take half of the time."""
     assert len(BLOCKS) == 3
+    assert BLOCKS[number].count(longer) == 1
     (tmp_path / "problem.yaml").write_text(json.dumps(line_problem()))
     script = tmp_path / "example.py"
-    script.write_text(BLOCKS[number])
+    script.write_text(BLOCKS[number].replace(longer, shorter))
     assert re.search(expected, ran(script))
     if number == 0:
         assert (tmp_path / "report" / "report.html").is_file()

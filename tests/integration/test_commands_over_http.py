@@ -16,13 +16,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import httpx
 import psutil
 import pytest
 
 from geoswarm import Client
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
+from tests.documentation.service import answers
 from tests.integration.engines import must_end, wait_for
 from tests.servers import RedisServer, free_port
 
@@ -104,14 +104,8 @@ def served(*arguments: str) -> Iterator[Client]:
     port = free_port()
     url = f"http://127.0.0.1:{port}"
 
-    def ready() -> bool:
-        try:
-            return httpx.get(f"{url}/health/ready", timeout=5.0).status_code == 200
-        except httpx.TransportError:
-            return False
-
     with geoswarm("serve", "--port", str(port), *arguments), Client(url, api_key=KEY) as client:
-        wait_for(ready, "a service that is ready")
+        wait_for(lambda: answers(url), "a service that is ready")
         yield client
 
 

@@ -307,7 +307,7 @@ def test_running_time_leaves_out_pauses_and_silence(store: Store, settings: Sett
 
 
 @hypothesis_settings(
-    max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    max_examples=6, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 @given(
     actions=st.lists(

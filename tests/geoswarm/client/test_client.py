@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import ssl
 import stat
 import threading
 import time
@@ -46,6 +47,15 @@ from tests.integration.engines import PATIENCE
 def endless() -> dict[str, object]:
     """A job that the tests end themselves."""
     return line_problem(stopping={"max_seconds": 600})
+
+
+def test_authorities_are_read_only_for_a_service_with_tls(monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[object] = []
+    monkeypatch.setattr(ssl.SSLContext, "load_verify_locations", lambda *places, **_: read.append(places))
+    Client("http://127.0.0.1:8765").close()
+    assert read == []
+    Client("HTTPS://calibration.example.org").close()
+    assert read != []
 
 
 def test_submit_wait_and_read_the_result(client: Client) -> None:

@@ -71,7 +71,7 @@ def series() -> Problem:
             "constraints": ["E50_ref < Eur_ref", "Eoed_ref < Eur_ref"],
             "weighting": "by_error",
             "observations": observations,
-            "stopping": {"max_evaluations": 300},
+            "stopping": {"max_evaluations": 150},
             "seed": 7,
         }
     )
