@@ -15,6 +15,7 @@ from geoswarm.solver.problem import Draft, Problem, load_problem
 from geoswarm.solver.problem.draft import located
 from geoswarm.solver.problem.weighting import weight_shares
 from geoswarm.solver.runs.check import warnings_of
+from geoswarm.solver.sentences import parts_json, plain
 from geoswarm.solver.sketches.svg import svg_element
 from geoswarm.solver.units import convert
 
@@ -26,13 +27,15 @@ MAX_LISTED = 2000
 def describe_draft(draft: Draft) -> ProblemDraft:
     """What is to be told of a draft."""
     model, problem = draft.model, draft.problem
+    warnings = () if problem is None else warnings_of(problem)
     issues = draft.issues if problem is None else located(impossible(problem), draft.yaml)
     return ProblemDraft(
         valid=problem is not None and not issues,
         document=draft.document,
         yaml=draft.yaml,
         issues=[DraftIssue.model_validate(issue) for issue in issues],
-        warnings=[] if problem is None else list(warnings_of(problem)),
+        warnings=[plain(sentence) for sentence in warnings],
+        warning_parts=[parts_json(sentence) for sentence in warnings],
         parameters=None if model is None else [Parameter.model_validate(one) for one in model.parameters[:MAX_LISTED]],
         series=None if model is None else [Series.model_validate(one) for one in model.series[:MAX_LISTED]],
         open_parameters=model is not None and model.open_parameters,

@@ -18,6 +18,7 @@
 ``runs``                the in-process loop, the reference for the distributed engine; a try before
 ``identifiability``     what the data can tell: verdicts, uncertainty
 ``report``              figures, tables and reports
+``sentences``           sentences that name keys of the problem, which each surface words
 ``words``               numbers, durations and states as a reader sees them
 ``ags``                 files of ground investigations in the AGS 4 format: what a laboratory delivers, as a problem
 ``answering``           the runs after a search that its result needs: begun when it ends, each follow-up planned from

@@ -24,8 +24,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
+
+from geoswarm.solver.sentences import Key, Sentence, plain
 
 __all__ = [
     "FailureReason",
@@ -96,6 +98,14 @@ class Issue:
 
     path: str
     message: str
+    parts: Sentence = ()
+    """The message with the keys that it names, where the form words these."""
+
+    @classmethod
+    def about(cls, path: str, sentence: Sentence, within: str = "") -> Issue:
+        """A mistake whose message names keys of the problem, by their paths ``within`` a part of it."""
+        keys = tuple(replace(one, path=f"{within}{one.path}") if isinstance(one, Key) else one for one in sentence)
+        return cls(path, plain(sentence), keys)
 
     def __post_init__(self) -> None:
         # What was written is quoted in messages, and may be of any length.

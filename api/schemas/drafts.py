@@ -16,6 +16,7 @@ __all__ = [
     "Example",
     "ExampleList",
     "ExampleSummary",
+    "KeyWords",
     "MeasuredPoints",
     "MeasuredStages",
     "MeasurementColumn",
@@ -24,12 +25,21 @@ __all__ = [
 ]
 
 
+class KeyWords(Model):
+    """A key of the problem in a sentence, for which a form has words of its own."""
+
+    path: str = Field(description="where it stands, for example observations[0].y_unit")
+    text: str = Field(description="as a problem file says it: `y_unit: mm`")
+    value: str = Field(description="what it is to be given; empty where it is only named")
+
+
 class DraftIssue(Model):
     """One mistake in a draft."""
 
     path: str = Field(description="where it is, for example parameters.c.lower; empty for the whole")
     message: str
     line: int | None = Field(description="in yaml, counted from 1")
+    parts: list[str | KeyWords] = Field(description="the message with the keys in it; empty where it names none")
 
 
 class DraftObservation(BaseModel):
@@ -74,6 +84,7 @@ class ProblemDraft(BaseModel):
     yaml: str | None = Field(description="the problem as YAML; null when it is too long to be edited as text")
     issues: list[DraftIssue]
     warnings: list[str] = Field(description="as a check gives them: what is possible, but seldom meant")
+    warning_parts: list[list[str | KeyWords]] = Field(description="the same with the keys in them")
     parameters: list[Parameter] | None = Field(description="of the forward model; null while its section has mistakes")
     series: list[Series] | None
     open_parameters: bool = Field(description="the problem may name parameters of its own (a formula)")

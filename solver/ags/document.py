@@ -68,7 +68,10 @@ def made_of(contents: Contents, wishes: Wishes) -> Made:
     instruments = _instruments(contents, notes)
     if not contents.compression and not contents.shear:
         if not instruments:
-            raise AgsError(f"{contents.file} holds no tests and no readings that can be imported")
+            raise AgsError(
+                f"{contents.file} holds no tests and no readings that can be imported: they are in the groups CONG, "
+                "ESCG, TREG, TRIG and MOND"
+            )
         return Made(None, (), tuple(dict.fromkeys(notes)), instruments)
     law = _law(contents, wishes)
     parts = _parts(contents, law, wishes, notes)

@@ -1,18 +1,28 @@
 """Reads a file in the AGS 4 format.
 
 Rules of the format (AGS 4.1, rules 1 to 6 and 18): a line begins with GROUP, HEADING, UNIT, TYPE or DATA; cells are in
-double quotes and separated by commas; a quote inside is doubled; a cell holds no line break.
+double quotes and separated by commas; a quote inside is doubled; a cell holds no line break. A workbook, as converters
+write it, has a sheet for each group.
 """
 
 from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
-from geoswarm.solver.problem.tables.reading import MAX_CELL_CHARACTERS, MAX_LINE_CHARACTERS, MAX_TABLE_BYTES, decoded
+from geoswarm.solver.problem.tables.blocks import shown
+from geoswarm.solver.problem.tables.reading import (
+    MAX_CELL_CHARACTERS,
+    MAX_LINE_CHARACTERS,
+    MAX_TABLE_BYTES,
+    TableError,
+    decoded,
+)
+from geoswarm.solver.problem.tables.workbooks import read_workbook
 from geoswarm.solver.words import visible
 
 __all__ = ["read_ags", "read_ags_file"]
@@ -58,7 +68,7 @@ def read_ags_file(path: Path) -> AgsFile:
 
 
 def read_ags(content: bytes, name: str) -> AgsFile:
-    """Read the content of a file: UTF-8, with its mark or without, else Windows-1252.
+    """Read the content of a file: UTF-8, with its mark or without, else Windows-1252; or a workbook of groups.
 
     Raises
     ------
@@ -74,6 +84,8 @@ def read_ags(content: bytes, name: str) -> AgsFile:
     """
     if len(content) > MAX_TABLE_BYTES:
         raise AgsError(f"{name} is larger than {MAX_TABLE_BYTES // 2**20} MiB, the most that is accepted")
+    if content.startswith(b"PK"):
+        return _file(name, _of_workbook(content, name))
     if b"\0" in content:
         raise AgsError(f"{name} is not a text file; give a file in the AGS 4 format")
     groups: dict[str, _Open] = {}
@@ -96,6 +108,10 @@ def read_ags(content: bytes, name: str) -> AgsFile:
             if cells:
                 _take(groups, cells, name, number + 1)
         number += following
+    return _file(name, groups, damaged)
+
+
+def _file(name: str, groups: dict[str, _Open], damaged: Sequence[tuple[str, str]] = ()) -> AgsFile:
     if not groups:
         raise AgsError(f"{name} contains no groups; give a file in the AGS 4 format")
     found = {
@@ -103,6 +119,26 @@ def read_ags(content: bytes, name: str) -> AgsFile:
         for one in groups.values()
     }
     return AgsFile(name, found, tuple(damaged))
+
+
+def _of_workbook(content: bytes, name: str) -> dict[str, _Open]:
+    """Groups of the sheets that begin with HEADING; rows of other kinds and cells without a heading are left out."""
+    groups: dict[str, _Open] = {}
+    try:
+        for sheet in read_workbook(content, name)[0]:
+            rows = [[shown(cell) for cell in row] for row in read_workbook(content, name, sheet)[2]]
+            heading = next((row for row in rows if row and row[0] in _KINDS), [""])
+            if heading[0] != "HEADING":
+                continue
+            where = f"{name} sheet '{sheet}'"
+            width = max(place for place, cell in enumerate(heading, 1) if cell)
+            _take(groups, ["GROUP", sheet], where, 1)
+            for line, row in enumerate(rows, 1):
+                if row and row[0] in _KINDS:
+                    _take(groups, [*row, *[""] * width][:width], where, line)
+    except TableError as error:
+        raise AgsError(str(error)) from None
+    return groups
 
 
 def _repaired(lines: list[str], number: int, group: _Open | None) -> tuple[list[str], int]:

@@ -24,6 +24,7 @@ from geoswarm.solver.plausibility.ranges import unusual_values
 from geoswarm.solver.plausibility.readings import Doubt, doubtful_readings
 from geoswarm.solver.plausibility.weights import unweighted_units
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.sentences import Sentence
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["implausible", "impossible", "require_possible", "to_be_accepted"]
@@ -49,7 +50,7 @@ def _unaccepted(problem: Problem) -> list[Doubt]:
     return [doubt for doubt in doubtful_readings(problem) if doubt.impossible and doubt.series not in problem.accept]
 
 
-def implausible(problem: Problem) -> tuple[str, ...]:
+def implausible(problem: Problem) -> tuple[Sentence, ...]:
     """Everything about a problem that is probably not meant; runs nothing."""
     return (
         *unusual_values(problem),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from geoswarm.solver.plausibility.units import with_unit
 from geoswarm.solver.problem import FreeParameter, Problem
+from geoswarm.solver.sentences import Key, Sentence, setting
 
 if TYPE_CHECKING:
     from geoswarm.solver.estimates.index import ParameterEstimate
@@ -18,7 +19,7 @@ _UNKNOWN = 1.0 / 3.0
 """Scatter, relative, of correlations that were published without one."""
 
 
-def unexpected_bounds(problem: Problem) -> Iterator[str]:
+def unexpected_bounds(problem: Problem) -> Iterator[Sentence]:
     """Free parameters whose bounds exclude every estimate from the index properties, scatter included.
 
     Correlations outside their published range take no part; one without a published scatter counts with a third.
@@ -39,7 +40,7 @@ def unexpected_bounds(problem: Problem) -> Iterator[str]:
             yield from _sentence(name, parameter, estimates)
 
 
-def _sentence(name: str, parameter: FreeParameter, estimates: list[ParameterEstimate]) -> Iterator[str]:
+def _sentence(name: str, parameter: FreeParameter, estimates: list[ParameterEstimate]) -> Iterator[Sentence]:
     wide = [one.ends or ((1.0 - _UNKNOWN) * one.value, (1.0 + _UNKNOWN) * one.value) for one in estimates]
     low, high = min(ends[0] for ends in wide), max(ends[1] for ends in wide)
     if low <= parameter.upper and high >= parameter.lower:
@@ -47,7 +48,10 @@ def _sentence(name: str, parameter: FreeParameter, estimates: list[ParameterEsti
     end, bound = ("upper", parameter.upper) if low > parameter.upper else ("lower", parameter.lower)
     expected = f"{float(f'{low:.2g}'):g} to {with_unit(float(f'{high:.2g}'), estimates[0].unit)}"
     sources = "; ".join(dict.fromkeys(one.told.correlation.authors for one in estimates))
+    path = f"parameters.{name}.{end}"
     yield (
-        f"parameters.{name}.{end} = {with_unit(bound, estimates[0].unit)}: by the index properties {expected} is "
-        f"expected ({sources}); widen the bounds or check index_properties"
+        Key(path, path),
+        f" = {with_unit(bound, estimates[0].unit)}: by the index properties {expected} is expected ({sources}); widen "
+        "the bounds or check ",
+        setting("index_properties"),
     )

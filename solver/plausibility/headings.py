@@ -6,12 +6,13 @@ from collections.abc import Iterator
 
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.tables.headings import Heading, known_unit
+from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import UnitError, convert, same_unit
 
 __all__ = ["contradicted_headings"]
 
 
-def contradicted_headings(problem: Problem) -> Iterator[str]:
+def contradicted_headings(problem: Problem) -> Iterator[Sentence]:
     """Columns whose headings name another unit than ``x_unit`` and ``y_unit`` say."""
     for index, one in enumerate(problem.observations):
         axes = (("x", one.x_unit, one.points.x_heading), ("y", one.y_unit, one.points.y_heading))
@@ -19,9 +20,12 @@ def contradicted_headings(problem: Problem) -> Iterator[str]:
             if unit is None or heading is None or heading.unit is None or heading.dates:
                 continue
             if not _same(unit, heading):
+                path = f"observations[{index}].{axis}_unit"
                 yield (
-                    f"observations[{index}].{axis}_unit = {unit}, but according to its heading column '{heading.name}' "
-                    f"is in {heading.unit}; {axis}_unit holds: leave it out for {heading.unit}, or correct the heading"
+                    Key(path, path),
+                    f" = {unit}, but according to its heading column '{heading.name}' is in {heading.unit}; ",
+                    setting(path),
+                    f" holds: leave it out for {heading.unit}, or correct the heading",
                 )
 
 

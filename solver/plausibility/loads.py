@@ -13,6 +13,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.units import convert
 
 __all__ = ["loads_not_shown"]
@@ -29,7 +30,7 @@ _AGREES = 0.1
 _TIME_UNITS = ("s", "min", "h", "day")
 
 
-def loads_not_shown(problem: Problem) -> Iterator[str]:
+def loads_not_shown(problem: Problem) -> Iterator[Sentence]:
     """Stages without a reading, and virgin loads at which the readings show no step or go the other way."""
     for readings in staged_readings(problem):
         if not readings.by_stage:
@@ -38,7 +39,7 @@ def loads_not_shown(problem: Problem) -> Iterator[str]:
             yield from _steps(readings)
 
 
-def _unread(readings: StagedReadings) -> Iterator[str]:
+def _unread(readings: StagedReadings) -> Iterator[Sentence]:
     wanted = range(readings.spec.zero_at_stage, len(readings.spec.stages) + 1)
     missing = sorted(set(wanted) - set(readings.stages.astype(int).tolist()) - _left_out(readings))
     if not missing:
@@ -48,20 +49,25 @@ def _unread(readings: StagedReadings) -> Iterator[str]:
     whole = float(sum(stage.duration for stage in readings.spec.stages[readings.spec.zero_at_stage - 1 :]))
     if missing[0] > last and len(missing) == wanted[-1] - last:
         meant = _time_unit(readings, whole)
-        remedy = (
-            f"in {meant} they would end with it: x_unit: {meant}"
+        unit = f"{readings.path}.x_unit"
+        remedy: Sentence = (
+            (f"in {meant} they would end with it: ", setting(unit, meant))
             if meant
-            else f"check x_unit (now {readings.x_unit}) and {readings.section}.stages[].duration (day), or leave out "
-            "the stages without readings"
+            else (
+                *("check ", setting(unit), f" (now {readings.x_unit}) and ", readings.key("stages[].duration")),
+                " (day), or leave out the stages without readings",
+            )
         )
         yield (
-            f"{readings.title} the readings end at {end:g} {readings.x_unit}, in stage {last} of {wanted[-1]}, which "
-            f"end after {float(convert(whole, 'day', readings.x_unit)):g} {readings.x_unit}; {remedy}"
+            readings.title,
+            f": the readings end at {end:g} {readings.x_unit}, in stage {last} of {wanted[-1]}, which end after "
+            f"{float(convert(whole, 'day', readings.x_unit)):g} {readings.x_unit}; ",
+            *remedy,
         )
     else:
         yield (
-            f"{readings.title} there is no reading in {_named(missing)} of {wanted[-1]}; check "
-            f"{readings.section}.stages against the record of the test"
+            *(readings.title, f": there is no reading in {_named(missing)} of {wanted[-1]}; check "),
+            *(readings.key("stages"), " against the record of the test"),
         )
 
 
@@ -78,12 +84,12 @@ def _time_unit(readings: StagedReadings, whole: float) -> str | None:
     return None
 
 
-def _steps(readings: StagedReadings) -> Iterator[str]:
+def _steps(readings: StagedReadings) -> Iterator[Sentence]:
     stresses = readings.stresses
     span = float(np.ptp(readings.y))
     if span == 0.0:
         if readings.y.size > 1:
-            yield f"{readings.title} all readings are {readings.in_data(float(readings.y[0]))}; check the column"
+            yield readings.title, f": all readings are {readings.in_data(float(readings.y[0]))}; check the column"
         return
     downwards = -1.0 if readings.quantity == "void_ratio" else 1.0
     whole = float(np.log(stresses[1:].max() / stresses[0]))
@@ -103,14 +109,18 @@ def _steps(readings: StagedReadings) -> Iterator[str]:
             missed.append(number)
     if backwards:
         yield (
-            f"{readings.title} the readings go back at {_loads(readings, backwards)}, where the stress rises; check "
-            f"{readings.section}.stages against the record of the test, and the sign of the readings"
+            readings.title,
+            f": the readings go back at {_loads(readings, backwards)}, where the stress rises; check ",
+            readings.key("stages"),
+            " against the record of the test, and the sign of the readings",
         )
     if missed:
         yield (
-            f"{readings.title} the readings show no step at {_loads(readings, missed)}; check stress and duration of "
-            f"{readings.section}.stages and zero_at_stage against the record of the test, and x_unit, now "
-            f"{readings.x_unit or 'stage'}"
+            readings.title,
+            f": the readings show no step at {_loads(readings, missed)}; check stress and duration of ",
+            *(readings.key("stages"), " and ", readings.key("zero_at_stage", short=True)),
+            " against the record of the test, and ",
+            *(setting(f"{readings.path}.x_unit"), f", now {readings.x_unit or 'stage'}"),
         )
 
 

@@ -18,6 +18,7 @@ from pydantic import BaseModel
 from geoswarm.solver.forward.base import ParameterInfo
 from geoswarm.solver.plausibility.units import meant_unit, with_unit
 from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem
+from geoswarm.solver.sentences import Key, Sentence
 
 __all__ = ["unusual_values"]
 
@@ -27,7 +28,7 @@ _FAR_OF_MOST = 2.0
 Range = tuple[float, float]
 
 
-def unusual_values(problem: Problem) -> Iterator[str]:
+def unusual_values(problem: Problem) -> Iterator[Sentence]:
     """Fields of the forward model and parameters with values far outside their usual ranges."""
     yield from _fields(problem.forward_model, "forward_model")
     for info in problem.model.parameters:
@@ -41,7 +42,7 @@ def unusual_values(problem: Problem) -> Iterator[str]:
             yield from _bounds(parameter, info, info.typical)
 
 
-def _bounds(parameter: FreeParameter, info: ParameterInfo, usual: Range) -> Iterator[str]:
+def _bounds(parameter: FreeParameter, info: ParameterInfo, usual: Range) -> Iterator[Sentence]:
     """A search range that lies far outside as a whole."""
     if _far(parameter.upper, usual) and parameter.upper < usual[0]:
         yield _sentence(f"parameters.{info.name}.upper", parameter.upper, info.unit, usual)
@@ -49,7 +50,7 @@ def _bounds(parameter: FreeParameter, info: ParameterInfo, usual: Range) -> Iter
         yield _sentence(f"parameters.{info.name}.lower", parameter.lower, info.unit, usual)
 
 
-def _fields(section: BaseModel, path: str) -> Iterator[str]:
+def _fields(section: BaseModel, path: str) -> Iterator[Sentence]:
     """All fields of a section and of the sections inside it."""
     for name, field in type(section).model_fields.items():
         value, place = getattr(section, name), f"{path}.{name}"
@@ -69,7 +70,7 @@ def _fields(section: BaseModel, path: str) -> Iterator[str]:
                 yield _sentence(place, value, hint["x-unit"], (low, high))
 
 
-def _entries(entries: tuple[BaseModel, ...], path: str) -> Iterator[str]:
+def _entries(entries: tuple[BaseModel, ...], path: str) -> Iterator[Sentence]:
     """Entries of a list: what is unusual in most of them once, else each value that is far outside."""
     for name, field in type(entries[0]).model_fields.items():
         extra = field.json_schema_extra
@@ -107,11 +108,11 @@ def _far(value: float, usual: Range) -> bool:
     return value > _FAR * high or (low > 0.0 and value < low / _FAR)
 
 
-def _sentence(path: str, value: float, unit: str, usual: Range, which: str = "") -> str:
+def _sentence(path: str, value: float, unit: str, usual: Range, which: str = "") -> Sentence:
     low, high = usual
     shown = with_unit(value, unit) + (f" ({which})" if which else "")
-    text = f"{path} = {shown} is far from what is usual, {low:g} to {with_unit(high, unit)}"
+    key, text = Key(path, path), f" = {shown} is far from what is usual, {low:g} to {with_unit(high, unit)}"
     meant = meant_unit(value, unit, lambda moved: low <= moved <= high)
     if meant is None:
-        return f"{text}; check the value" + (f" and its unit, {unit}" if unit not in ("", "1") else "")
-    return f"{text}; if {value:g} {meant[0]} is meant, give {meant[1]:.4g}, because the unit here is {unit or '1'}"
+        return key, f"{text}; check the value" + (f" and its unit, {unit}" if unit not in ("", "1") else "")
+    return key, f"{text}; if {value:g} {meant[0]} is meant, give {meant[1]:.4g}, because the unit here is {unit or '1'}"

@@ -18,6 +18,7 @@ from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
 from geoswarm.solver.plausibility.units import meant_unit, with_unit
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test
+from geoswarm.solver.sentences import Key, Sentence, plain, setting
 from geoswarm.solver.units import convert
 
 __all__ = ["Doubt", "doubtful_readings"]
@@ -47,8 +48,10 @@ class Doubt:
         Name, and place in the problem: ``observations[0]``.
     field
         Key of the observation that is probably wrong; empty if it is none.
-    message
-        What is seen and what to do.
+    seen
+        What is seen, and what it would be in another unit.
+    remedy
+        What to do, as the rest of that sentence.
     impossible
         Whether no soil has such readings.
     """
@@ -56,19 +59,27 @@ class Doubt:
     series: str
     observation: str
     field: str
-    message: str
+    seen: str
+    remedy: Sentence
     impossible: bool
 
     @property
-    def sentence(self) -> str:
+    def message(self) -> str:
+        """What is seen and what to do, in the words of the problem file."""
+        return plain((self.seen, *self.remedy))
+
+    @property
+    def sentence(self) -> Sentence:
         """The message with its place."""
-        return f"{self.observation} ({self.series}): {self.message}"
+        place = Key(self.observation, f"{self.observation} ({self.series})", self.series)
+        return place, f": {self.seen}", *self.remedy
 
     @property
     def issue(self) -> Issue:
         """The doubt as a mistake in the problem."""
         path = f"{self.observation}.{self.field}" if self.field else self.observation
-        return Issue(path, f"{self.message}; accept: [{self.series}] runs the problem as it is")
+        accept = Key("accept", f"accept: [{self.series}]", self.series)
+        return Issue.about(path, (self.seen, *self.remedy, "; ", accept, " runs the problem as it is"))
 
 
 def doubtful_readings(problem: Problem) -> Iterator[Doubt]:
@@ -107,12 +118,11 @@ def _size(readings: StagedReadings) -> Iterator[Doubt]:
     meant = meant_unit(largest, readings.y_base, lambda y: least <= y / length <= _MOST, given=readings.y_unit)
     if meant is not None:
         share = f"{meant[1] / length:.2g} of it" if length != 1.0 else f"{meant[1]:.2g}"
-        remedy = f"in {meant[0]} it would be {share}: y_unit: {meant[0]}"
-    else:
-        height = "" if length == 1.0 else f", and {readings.section}.height"
-        remedy = f"check y_unit, now {readings.y_unit or '1'}{height}"
+        what += f"; in {meant[0]} it would be {share}"
+    height: Sentence = () if length == 1.0 else (", and ", readings.key("height"))
+    remedy = _unit(readings.path, "y", readings.y_unit, meant, height)
     impossible = strain > 1.0 or strain < _NOTHING * least
-    yield Doubt(readings.observation.series, readings.path, "y_unit", f"{begins} {what}; {remedy}", impossible)
+    yield Doubt(readings.observation.series, readings.path, "y_unit", f"{begins} {what}", remedy, impossible)
 
 
 def _sign(readings: StagedReadings) -> Iterator[Doubt]:
@@ -121,11 +131,12 @@ def _sign(readings: StagedReadings) -> Iterator[Doubt]:
         return  # nothing but unloading
     low, high = float(readings.y.min()), float(readings.y.max())
     if low < 0.0 and -low > _NEGATIVE * max(high, 0.0):
-        message = (
+        seen = (
             f"the readings are negative (down to {readings.in_data(low)}) while the stress rises to "
-            f"{readings.stresses[zero:].max():g} kPa, but compression is positive; y_factor: -1 turns them"
+            f"{readings.stresses[zero:].max():g} kPa, but compression is positive"
         )
-        yield Doubt(readings.observation.series, readings.path, "", message, False)
+        remedy = ("; ", setting(f"{readings.path}.y_factor", "-1"), " turns them")
+        yield Doubt(readings.observation.series, readings.path, "", seen, remedy, False)
 
 
 def _void_ratio(readings: StagedReadings) -> Iterator[Doubt]:
@@ -134,12 +145,23 @@ def _void_ratio(readings: StagedReadings) -> Iterator[Doubt]:
         return
     wrong = high if high > _VOID_RATIO[1] else low
     meant = meant_unit(wrong, "", lambda e: _VOID_RATIO[0] <= e <= 5.0, given=readings.y_unit)
-    remedy = "check the column and y_unit" if meant is None else f"if they are in {meant[0]}: y_unit: '{meant[0]}'"
-    message = (
+    unit = f"{readings.path}.y_unit"
+    remedy: Sentence = ("; check the column and ", setting(unit))
+    if meant is not None:
+        remedy = (f"; if they are in {meant[0]}: ", Key(unit, f"y_unit: '{meant[0]}'", meant[0]))
+    seen = (
         f"a void ratio of {readings.in_data(wrong)} is outside what soils have, {_VOID_RATIO[0]:g} to "
-        f"{_VOID_RATIO[1]:g}; {remedy}"
+        f"{_VOID_RATIO[1]:g}"
     )
-    yield Doubt(readings.observation.series, readings.path, "y_unit", message, wrong <= 0.0 or wrong == high)
+    yield Doubt(readings.observation.series, readings.path, "y_unit", seen, remedy, wrong <= 0.0 or wrong == high)
+
+
+def _unit(place: str, axis: str, unit: str, meant: tuple[str, float] | None, other: Sentence = ()) -> Sentence:
+    """What to do where a unit is probably another one."""
+    path = f"{place}.{axis}_unit"
+    if meant is not None:
+        return ": ", setting(path, meant[0])
+    return "; check ", setting(path), f", now {unit or '1'}", *other
 
 
 def _length(readings: StagedReadings) -> tuple[float, str]:
@@ -172,12 +194,11 @@ def _of_any_law(place: str, observation: Observation, info: SeriesInfo, spec: La
             continue
         unit = given or base
         meant = meant_unit(largest, base, partial(_within, scale, usual), given=unit)
-        remedy = f"check {axis}_unit, now {unit or '1'}"
         if meant is not None:
-            remedy = f"in {meant[0]} it would be {with_unit(float(f'{meant[1]:.2g}'), base)}: {axis}_unit: {meant[0]}"
+            what += f"; in {meant[0]} it would be {with_unit(float(f'{meant[1]:.2g}'), base)}"
         shown = with_unit(float(f"{float(convert(largest, base or '1', unit or '1')):.3g}"), unit)
-        message = f"the largest value of {quantity}, {shown}, is {what}; {remedy}"
-        yield Doubt(observation.series, place, f"{axis}_unit", message, True)
+        seen = f"the largest value of {quantity}, {shown}, is {what}"
+        yield Doubt(observation.series, place, f"{axis}_unit", seen, _unit(place, axis, unit, meant), True)
 
 
 def _within(scale: float, usual: tuple[float, float], value: float) -> bool:

@@ -12,6 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test, stage_of, stage_times
+from geoswarm.solver.sentences import Key
 from geoswarm.solver.units import convert
 
 __all__ = ["StagedReadings", "staged_readings"]
@@ -90,9 +91,14 @@ class StagedReadings:
         return isinstance(self.spec, StagedLoadSpec)
 
     @property
-    def title(self) -> str:
+    def title(self) -> Key:
         """How a sentence begins."""
-        return f"{self.path} ({self.observation.series}):"
+        return Key(self.path, f"{self.path} ({self.observation.series})", self.observation.series)
+
+    def key(self, name: str, *, short: bool = False) -> Key:
+        """A key of the test."""
+        path = f"{self.section}.{name}"
+        return Key(path, name if short else path)
 
     @property
     def stresses(self) -> FloatArray:

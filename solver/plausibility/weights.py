@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.weighting import weight_shares
+from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.units import same_unit
 from geoswarm.solver.words import listed, share
 
@@ -15,7 +16,7 @@ _NAMED = 3
 _LITTLE = 0.01
 
 
-def unweighted_units(problem: Problem) -> Iterator[str]:
+def unweighted_units(problem: Problem) -> Iterator[Sentence]:
     """Yield a warning with the shares of the series, where nothing weighs series of different units."""
     base = {info.name: info.y_unit for info in problem.model.series}
     counted = [o for o in problem.observations if o.weight > 0]
@@ -29,6 +30,7 @@ def unweighted_units(problem: Problem) -> Iterator[str]:
         named.append(f"{little} of {len(shares)} series {'have' if little > 1 else 'has'} less than 1%")
     yield (
         f"series of different units ({listed(units)}) add up without weights: if each is missed by the same part of "
-        f"its range, {listed(named)} of the objective. weighting: by_range counts every series alike, by_test every "
-        "test, by_error every reading by its error"
+        f"its range, {listed(named)} of the objective. ",
+        setting("weighting", "by_range"),
+        " counts every series alike, by_test every test, by_error every reading by its error",
     )

@@ -24,6 +24,7 @@ from geoswarm.solver.problem.test_table.expansion import without_table
 from geoswarm.solver.problem.text.lines import line_of, lines_of
 from geoswarm.solver.problem.text.reading import plain_document, read_document, read_problem_file
 from geoswarm.solver.problem.text.writing import problem_yaml
+from geoswarm.solver.sentences import Sentence
 
 __all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text", "inlined_document", "located"]
 
@@ -53,6 +54,7 @@ class LocatedIssue:
     path: str
     message: str
     line: int | None
+    parts: Sentence = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +116,7 @@ def _judged(document: dict[str, Any], text: str | None) -> Draft:
 def located(issues: Iterable[Issue], text: str | None) -> tuple[LocatedIssue, ...]:
     """Mistakes with their lines in the draft's YAML, where that is known."""
     lines = {} if text is None else lines_of(text)
-    return tuple(LocatedIssue(one.path, one.message, line_of(one.path, lines)) for one in issues)
+    return tuple(LocatedIssue(one.path, one.message, line_of(one.path, lines), one.parts) for one in issues)
 
 
 def _syntax(issue: Issue) -> LocatedIssue:

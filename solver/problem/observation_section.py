@@ -94,7 +94,7 @@ class ObservationSection(Section):
     sheet: str | None = Field(
         None,
         min_length=1,
-        description="sheet of a workbook; if absent the only one with the columns by name, else the first with cells",
+        description="sheet of a workbook; if absent the only one with these columns, else the first with cells",
     )
     x_column: str | None = Field(
         None,

@@ -20,6 +20,7 @@ from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
 from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
 from geoswarm.solver.problem.tables.picking import is_cells
+from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.units import UnitError, convert, same_unit
 from geoswarm.solver.words import did_you_mean
 
@@ -188,7 +189,7 @@ def _build(
     converted = []
     units: dict[str, str | None] = {}
     for axis, values, given, base, heading in (
-        ("x", points.x, section.x_unit, info.x_unit, points.x_heading),
+        ("x", points.x, None if points.by_load else section.x_unit, info.x_unit, points.x_heading),
         ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
         unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x")
@@ -222,8 +223,8 @@ def _build(
         nothing = f"no point is left of {len(chosen)}: the others are gross errors"
         return None, [Issue(f"{path}.gross_errors", nothing)]
     x, message = _checked_x(x[kept], points.x, kept, units["x"] or info.x_unit, info, stage_times(spec, section.series))
-    if message is not None:
-        return None, [Issue(place, message)]
+    if message:
+        return None, [Issue.about(place, message, f"{path}.")]
     y = y[kept]
     count = points.counts[kept]
     # thinning does not weigh: equation (2) is a mean over points
@@ -353,8 +354,8 @@ def _fits(unit: str, base: str) -> bool:
 
 def _checked_x(
     x: FloatArray, given: list[float], kept: IntArray, unit: str, info: SeriesInfo, starts: FloatArray
-) -> tuple[FloatArray, str | None]:
-    """Points x fit for the series, or what is wrong with them.
+) -> tuple[FloatArray, Sentence]:
+    """Points x fit for the series, and what is wrong with them, if anything is.
 
     Messages show x as the user ``given`` it in ``unit``; ``kept`` are the places of x, shape (m,), in it; loads act
     at ``starts``.
@@ -368,7 +369,7 @@ def _checked_x(
         apart = np.abs(x - whole) > _ROUNDING * np.maximum(1.0, np.abs(x))
         if apart.any():
             where = shown(int(np.argmax(apart)))
-            return x, f"series '{info.name}' has values only at whole numbers of {info.x_quantity}, not at {where}"
+            return x, (f"series '{info.name}' has values only at whole numbers of {info.x_quantity}, not at {where}",)
         x = whole
     low = -np.inf if info.x_lower is None else info.x_lower
     high = np.inf if info.x_upper is None else info.x_upper
@@ -381,16 +382,16 @@ def _checked_x(
             values = [given[kept[place]] for place in places]
             found += f"; {len(places)} points are, {number(min(values))} to {number(max(values))}{_suffix(unit)}"
         if low == 0.0 and not (x > slack).any():
-            found += "; x_factor: -1 turns the sign"
-        return x, found
+            return x, (f"{found}; ", setting("x_factor", "-1"), " turns the sign")
+        return x, (found,)
     x = np.clip(x, low, high)
     if info.x_increasing and len(x) > 1:
         falling = np.diff(x) <= 0
         if falling.any():
-            index = int(np.argmax(falling))
-            remedy = "sort: true sorts" if x[index] != x[index + 1] else same_x_remedy(x[index], starts)
-            return x, f"must increase strictly, but {shown(index + 1)} follows {shown(index)}; {remedy}"
-    return x, None
+            at = int(np.argmax(falling))
+            remedy = same_x_remedy(x[at], starts) if x[at] == x[at + 1] else (setting("sort", "true"), " sorts")
+            return x, (f"must increase strictly, but {shown(at + 1)} follows {shown(at)}; ", *remedy)
+    return x, ()
 
 
 def _limits(info: SeriesInfo) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,8 @@ from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
 from geoswarm.solver.problem.readings.joined import BlockError, BlockSection, joined
 from geoswarm.solver.problem.readings.preparation import Preparation, PreparationError, Readings, prepared
-from geoswarm.solver.problem.stages import stage_times
+from geoswarm.solver.problem.stages import by_stage, stage_times
+from geoswarm.solver.problem.tables.blocks import shown
 from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
@@ -46,7 +48,7 @@ class Points:
     ``independent`` is the number of independent readings that these are worth, ``range`` the largest less the smallest
     of them; None: not known. ``inputs`` are further quantities at the points, by name. ``gross_errors`` are the places
     of those that are shown and do not count, ``notes`` say what was done to the readings. ``x_heading`` and
-    ``y_heading`` are those of the file that they were read from.
+    ``y_heading`` are those of the file that they were read from; ``by_load``: it had loads in place of stages.
     """
 
     x: list[float]
@@ -60,6 +62,7 @@ class Points:
     notes: tuple[str, ...] = ()
     x_heading: Heading | None = field(default=None, compare=False)
     y_heading: Heading | None = field(default=None, compare=False)
+    by_load: bool = field(default=False, compare=False)
 
     @property
     def counts(self) -> FloatArray:
@@ -183,6 +186,8 @@ def measured_points(
     if points is None or issues:
         raise ProblemError([replace(issue, path=issue.path.removeprefix(".")) for issue in issues])
     units = {"x_unit": section.x_unit, "y_unit": section.y_unit}
+    if points.by_load:
+        units["x_unit"] = "dimensionless"
     return points, units_found(points) | {axis: unit for axis, unit in units.items() if unit is not None}
 
 
@@ -202,6 +207,9 @@ def points_of_file(
     table, done, issues = _table(section, path, content, name, spec)
     if table is None:
         return None, issues
+    table, wrong = by_stage(table, section.series, section.x_unit, spec)
+    if wrong is not None:
+        return None, [Issue(f"{path}.x_column", wrong)]
     points = Points(
         table.x,
         table.y,
@@ -209,6 +217,7 @@ def points_of_file(
         inputs=table.inputs,
         gross_errors=tuple(table.gross_errors),
         notes=(*section.notes, *done, *_reading_notes(section, table, name)),
+        by_load=table.by_load,
         x_heading=table.x_heading,
         y_heading=table.y_heading,
     )
@@ -222,10 +231,14 @@ def _table(
     """The table of a section, of all its blocks if it has some; what was done, and what is wrong."""
     read = functools.cache(read_cells)  # blocks of one sheet
     tables: list[Table] = []
-    for place, block in enumerate(section.blocks or [None]):
-        at = f"{path}.file" if block is None else f"{path}.blocks[{place}]"
+    blocks: Sequence[BlockSection | None] = section.blocks or [None]
+    parts = [columns_of(_of_block(section, block)) for block in blocks]
+    for place, part in enumerate(parts):
+        at = f"{path}.file" if section.blocks is None else f"{path}.blocks[{place}]"
+        alike = parts.count(part)
+        turn = (parts[:place].count(part), alike) if alike > 1 and part.where else None
         try:
-            tables.append(table_of(content, name, columns_of(_of_block(section, block)), read))
+            tables.append(table_of(content, name, replace(part, turn=turn), read))
         except TableError as error:
             return None, [], [Issue(at, message) for message in error.messages]
     if section.blocks is None:
@@ -268,13 +281,17 @@ def _reading_notes(section: ObservationSection, table: Table, name: str) -> list
     """What of a file was read, where that is more than columns of numbers."""
     notes = []
     if section.where:
-        notes.append(f"rows of {name} with {', '.join(f'{key} = {value}' for key, value in section.where.items())}")
+        notes.append(
+            f"rows of {name} with {', '.join(f'{key} = {shown(value)}' for key, value in section.where.items())}"
+        )
     if section.y_minus is not None:
         notes.append(f"y is the difference of two columns: {table.y_heading.name} less {section.y_minus}")
     for key, heading in table.input_headings.items():
         if heading.named:
             unit = heading.unit or heading.named[0].text
             notes.append(f"{key} is in {unit}, as its column says: the formula takes its numbers unchanged")
+    if table.by_load:
+        notes.append(f"x is the number of the stage with the load of column {table.x_heading.name}")
     if table.zero is not None:
         notes.append(f"x counts from {table.zero.isoformat(sep=' ', timespec='seconds')}")
     if table.left_out:
@@ -309,7 +326,7 @@ def _prepared(
     try:
         found, done = prepared(given, wanted)
     except PreparationError as error:
-        return points, [Issue(f"{path}.{error.key}", str(error))]
+        return points, [Issue.about(f"{path}.{error.key}", error.sentence, f"{path}.")]
     return replace(
         points,
         x=found.x,

@@ -19,6 +19,7 @@ from geoswarm.solver.problem.checks.extremes import extreme_issues
 from geoswarm.solver.problem.weighting import WeightShare, weight_shares
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunLog
+from geoswarm.solver.sentences import Sentence, plain
 
 __all__ = ["CheckReport", "TestRunReport", "check_problem", "warnings_of"]
 
@@ -108,9 +109,9 @@ class CheckReport:
     shares: tuple[WeightShare, ...] = ()
 
 
-def warnings_of(problem: Problem) -> tuple[str, ...]:
-    """Return what is possible, but seldom meant, in sentences; nothing runs."""
-    return (*implausible(problem), *(found.sentence for found in find_consolidation(problem)))
+def warnings_of(problem: Problem) -> tuple[Sentence, ...]:
+    """Return what is possible, but seldom meant; nothing runs."""
+    return (*implausible(problem), *(found.parts for found in find_consolidation(problem)))
 
 
 def check_problem(
@@ -154,7 +155,7 @@ def check_problem(
         forward_model=problem.forward_model.kind,
         method=problem.method.kind,
         free_parameters=problem.free_names,
-        warnings=warnings_of(problem),
+        warnings=tuple(map(plain, warnings_of(problem))),
         notes={o.series: o.notes for o in problem.observations if o.notes},
         assumptions=problem.forward_model.assumptions,
         shares=weight_shares(problem),

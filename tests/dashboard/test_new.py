@@ -305,7 +305,8 @@ def test_a_check_warns_of_what_is_probably_not_meant(embedded: Site, visit: Visi
     expect(page.get_by_label("The problem as YAML")).to_have_value(re.compile("height: 20\n"))
     page.get_by_role("button", name="Check", exact=True).click()
     warning = page.locator("#check-body .notes[role=alert]")
-    expect(warning).to_contain_text("if 20 mm is meant, give 0.02", timeout=CALM)
+    expect(warning).to_contain_text("“Height” = 20 m is far from what is usual", timeout=CALM)
+    expect(warning).to_contain_text("if 20 mm is meant, give 0.02")
     assert "is only 0.00018 of the height of the specimen, 20 m" in warning.inner_text()  # 3.7 mm
 
 

@@ -148,10 +148,9 @@ def test_readings_larger_than_the_specimen_are_stopped_before_the_start(embedded
     page.get_by_label("Unit of settlement").fill("m")
     verdict = page.locator("#verdict")
     expect(verdict).not_to_contain_text("Complete")
-    told = page.locator(".observation").get_by_text(
-        "is more than the height of the specimen, 0.02021 m; in mm it would"
-    )
-    expect(told).to_be_visible()
+    told = page.locator(".observation")
+    expect(told).to_contain_text("in mm it would be 0.18 of it: “Unit of settlement” mm; “The readings of")
+    expect(told).not_to_contain_text("y_unit")
     page.get_by_role("button", name="Start the job", exact=True).click()
     expect(page.get_by_role("alert").filter(has_text="One thing is missing or wrong")).to_be_visible()
     for place in (".observation", "#check-body"):

@@ -14,6 +14,7 @@ from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.problem.checks.consolidation import consolidation_degree
+from geoswarm.solver.sentences import plain
 
 TESTS = 300
 LOADS = (12.5, 25.0, 50.0, 100.0, 200.0, 400.0, 800.0, 1600.0)
@@ -60,7 +61,7 @@ def warnings(stages: list[dict[str, float]], x: np.ndarray, y: np.ndarray) -> st
         "observations": [{"series": "settlement", "points": {"x": x.tolist(), "y": y.tolist()}, "y_unit": "mm"}],
         "stopping": {"max_evaluations": 10},
     }
-    return " ".join(implausible(parse_problem(document)))
+    return " ".join(map(plain, implausible(parse_problem(document))))
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ import { reader, words } from "./new/schema.js";
 import { sketchPanel } from "./new/sketch.js";
 import { undoBar } from "./new/undo.js";
 import { yamlPanel } from "./new/yaml.js";
+import { messageOf } from "./new/words.js";
 
 const EMPTY = { name: "calibration", method: { kind: "particle_swarm" }, stopping: { max_evaluations: 600, stagnation_generations: 25 } };
 
@@ -32,7 +33,7 @@ async function open() {
     strict = true;
     return draft.judge();
   }));
-  draft.on("answer", ({ issues }) => showIssues(content, issues, strict));
+  draft.on("answer", ({ issues }) => showIssues(content, issues.map((one) => ({ ...one, message: messageOf(one) })), strict));
   await draft.judge();
 }
 

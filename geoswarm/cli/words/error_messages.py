@@ -14,10 +14,12 @@ import errno
 import os
 import secrets
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import click
 
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.sentences import Key, plain
 from geoswarm.solver.words import visible
 
 __all__ = [
@@ -89,6 +91,17 @@ def report(error: BaseException, session: CommandContext) -> int:
     return FAILED_RUN
 
 
+def _mistake(issue: Issue) -> str:
+    """A mistake with its path; what is to be accepted as an option, too."""
+    parts = [
+        replace(part, text=f"{part.text} or --accept {part.value}")
+        if isinstance(part, Key) and part.path == "accept"
+        else part
+        for part in issue.parts
+    ]
+    return str(replace(issue, message=plain(parts))) if parts else str(issue)
+
+
 def explain(error: BaseException, command: str | None = None) -> tuple[str, int] | None:
     """Return message and exit code of an error that geoswarm raises on purpose; None for any other."""
     from geoswarm.solver.errors import ForwardError, ProblemError, SolverError, WorkerLostError
@@ -96,7 +109,7 @@ def explain(error: BaseException, command: str | None = None) -> tuple[str, int]
     if isinstance(error, ProblemError):
         count = len(error.issues)
         title = "the problem has a mistake" if count == 1 else f"the problem has {count} mistakes"
-        return "\n  ".join([f"{title}:", *(str(issue) for issue in error.issues)]), BAD_INPUT
+        return "\n  ".join([f"{title}:", *map(_mistake, error.issues)]), BAD_INPUT
     if isinstance(error, (ForwardError, WorkerLostError)):
         return str(error), FAILED_RUN
     if isinstance(error, SolverError):

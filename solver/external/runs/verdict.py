@@ -74,11 +74,13 @@ def states(folder: Path, names: Iterable[str]) -> dict[str, FileState]:
     return found
 
 
-def not_of_run(path: Path, made_at: int) -> str | None:
+def not_of_run(folder: Path, path: Path, made_at: int) -> str | None:
     """Return why a file was not made by a run, in words; None: it was, or there is none.
 
     Parameters
     ----------
+    folder, path
+        The folder of the run, and the file.
     made_at
         When the folder of the run was made [ns].
     """
@@ -88,6 +90,8 @@ def not_of_run(path: Path, made_at: int) -> str | None:
         return None
     if stat.S_ISLNK(found.st_mode) or (stat.S_ISREG(found.st_mode) and found.st_nlink > 1):
         return "is a link; only a file that the run itself wrote counts"
+    if any(one.is_symlink() for one in path.parents if folder in one.parents):
+        return "is in a linked folder; only a file that the run itself wrote counts"
     changed = found.st_mtime_ns if os.name == "nt" else min(found.st_mtime_ns, found.st_ctime_ns)
     return "is older than the run" if changed < made_at else None
 
@@ -130,7 +134,7 @@ def judge(
 
     def fault(name: str) -> str | None:
         unchanged = after.get(name) is not None and after[name] == before.get(name)
-        return "is older than the run" if unchanged else not_of_run(folder / name, made_at)
+        return "is older than the run" if unchanged else not_of_run(folder, folder / name, made_at)
 
     def text_of(name: str) -> str | None:
         if name == OUTPUT:

@@ -293,7 +293,7 @@ class ProgramRun:
             if state == before[name]
         }
         for path in folder.path.rglob("*"):
-            if path.name.lower().endswith(_PIECES) and (why := not_of_run(path, folder.made_at)):
+            if path.name.lower().endswith(_PIECES) and (why := not_of_run(folder.path, path, folder.made_at)):
                 old.setdefault(path.relative_to(folder.path).as_posix(), why.removeprefix("is "))
         for file in collections:
             text = (folder.path / file).read_text(encoding="utf-8", errors="replace")

@@ -145,7 +145,7 @@ def unfit_readings(problem: Problem) -> FitVerdict | None:
     doubts = [doubt for doubt in doubtful_readings(problem) if doubt.impossible]
     if not doubts:
         return None
-    each = ". ".join(f"{doubt.series}: {doubt.message}" for doubt in doubts)
+    each = ". ".join(f"{doubt.series}: {doubt.seen}" for doubt in doubts)
     return FitVerdict("lack_of_fit", f"The readings do not fit this specimen. {each}.", (), (Remedy("check_readings"),))
 
 

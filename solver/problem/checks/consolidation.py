@@ -16,6 +16,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.problem.problem import Problem
 from geoswarm.solver.problem.stages import section_of_test, stage_of, stage_times
+from geoswarm.solver.sentences import Key, Sentence, plain
 from geoswarm.solver.units import convert
 
 __all__ = ["PrimaryConsolidation", "consolidation_degree", "find_consolidation"]
@@ -46,6 +47,8 @@ class PrimaryConsolidation:
         Unit of x in the data.
     early
         Readings of all stages before t100.
+    place
+        Of the observation in the problem.
     """
 
     series: str
@@ -54,18 +57,25 @@ class PrimaryConsolidation:
     t100: float
     x_unit: str
     early: int
+    place: str = ""
 
     @property
     def sentence(self) -> str:
-        """The finding and the remedy in words."""
+        """The finding and the remedy in the words of the problem file."""
+        return plain(self.parts)
+
+    @property
+    def parts(self) -> Sentence:
+        """The finding and the remedy."""
         several = len(self.stages) > 1
         named = f"stage{'s' if several else ''} {', '.join(map(str, self.stages))}"
         least = f"{self.t100:.2g}" if self.t100 < 10 else f"{self.t100:.0f}"
         return (
             f"{self.series}: the readings of {named} look like primary consolidation (90 % after "
             f"{self.t90:.3g} {self.x_unit}, its end after {least} {self.x_unit}), which the soil laws do not "
-            f"contain. Leave out the {self.early} readings before its end: stage_x_from: {least} in the observation; "
-            "or calibrate stage_settlement."
+            f"contain. Leave out the {self.early} readings before its end: ",
+            Key(f"{self.place}.stage_x_from", f"stage_x_from: {least} in the observation", f"{least} {self.x_unit}"),
+            "; or calibrate stage_settlement.",
         )
 
 
@@ -82,7 +92,7 @@ def find_consolidation(problem: Problem) -> tuple[PrimaryConsolidation, ...]:
     What calculates the flow of pore water has it in its curves.
     """
     found = []
-    for observation in problem.observations:
+    for index, observation in enumerate(problem.observations):
         starts = stage_times(problem.forward_model, observation.series)
         _, test, _ = section_of_test(problem.forward_model, observation.series)
         if starts.size == 0 or test.consolidates:
@@ -101,7 +111,9 @@ def find_consolidation(problem: Problem) -> tuple[PrimaryConsolidation, ...]:
         middle = float(np.median(list(times.values())))
         zero, t90, t100 = convert([0.0, middle, _END * middle], info.x_unit, unit).tolist()
         early = int(np.sum(observation.x - starts[stages - 1] < _END * middle))
-        found.append(PrimaryConsolidation(observation.series, tuple(times), t90 - zero, t100 - zero, unit, early))
+        times_after = t90 - zero, t100 - zero
+        place = f"observations[{index}]"
+        found.append(PrimaryConsolidation(observation.series, tuple(times), *times_after, unit, early, place))
     return tuple(found)
 
 

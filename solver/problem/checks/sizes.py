@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.problem.problem import Problem
+from geoswarm.solver.sentences import Key
 
 __all__ = ["MAX_DESIGN_VALUES", "MAX_POINTS", "MAX_VALUES", "point_issues", "size_issues"]
 
@@ -24,8 +25,9 @@ def point_issues(counts: Iterable[int]) -> list[Issue]:
     total = sum(counts)
     if total <= MAX_POINTS:
         return []
-    remedy = "resample: {per_decade: 20} takes means of neighbouring readings"
-    return [Issue("observations", f"have {total} points; at most {MAX_POINTS} are accepted; {remedy}")]
+    resample = Key("observations[0].resample.per_decade", "resample: {per_decade: 20}", "20")
+    found = f"have {total} points; at most {MAX_POINTS} are accepted; "
+    return [Issue.about("observations", (found, resample, " takes means of neighbouring readings"))]
 
 
 def size_issues(problem: Problem) -> list[Issue]:

@@ -14,6 +14,7 @@ from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.readings.zero import ZeroReading, zero_reading
 from geoswarm.solver.problem.stages import AT_LOAD, at_load, stage_of
 from geoswarm.solver.section import Section
+from geoswarm.solver.sentences import Key, plain
 
 __all__ = [
     "MANY_POINTS",
@@ -94,9 +95,9 @@ class Preparation:
 class PreparationError(Exception):
     """Readings cannot be processed as a key of the observation says."""
 
-    def __init__(self, key: str, message: str) -> None:
-        super().__init__(message)
-        self.key = key
+    def __init__(self, key: str, *message: str | Key) -> None:
+        super().__init__(plain(message))
+        self.key, self.sentence = key, message
 
 
 def prepared(readings: Readings, wanted: Preparation) -> tuple[Readings, list[str]]:
@@ -229,8 +230,8 @@ def _refuse_mixed(x: FloatArray, y: FloatArray, begins: IntArray, loads: tuple[f
         if len(np.unique(group[at])) < len(at) and np.ptp(y[at]) > 0.0:
             low, high = number(float(y[at].min())), number(float(y[at].max()))
             found = f"{len(at)} readings at x = {number(load)}, where stage {stage} begins, are from {low} to {high}"
-            message = f"{found}: their mean would mix readings before and after the load. {AT_LOAD}"
-            raise PreparationError("repeated_x", message)
+            message = f"{found}: their mean would mix readings before and after the load. "
+            raise PreparationError("repeated_x", message, *AT_LOAD)
 
 
 def _spread(x: FloatArray) -> FloatArray:

@@ -6,7 +6,9 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
+from typing import TypeAlias
 
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, with_units
 from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
@@ -33,8 +35,12 @@ _SUMMARY = re.compile(
 )
 _WORD = re.compile(r"[^\W\d_]{3}")
 _SOME_ROWS = 3
+_TITLES = 10
 
-__all__ = ["Sheet", "file_content", "number_in", "read_cells", "without_units"]
+__all__ = ["Area", "Sheet", "file_content", "number_in", "read_cells", "without_units"]
+
+Area: TypeAlias = tuple[int, int, int, int | None]
+"""Cells: places of the first and the last column from 0, lines of the first and the last row, None to the end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +91,13 @@ def file_content(path: Path) -> bytes:
 
 
 def read_cells(
-    content: bytes, name: str, sheet: str | None = None, *, numbers: bool = False, wanted: Iterable[str] = ()
+    content: bytes,
+    name: str,
+    sheet: str | None = None,
+    *,
+    numbers: bool = False,
+    wanted: Iterable[str] = (),
+    areas: Iterable[Area] = (),
 ) -> Sheet:
     """Read a table of text or one sheet of a workbook (XLSX, ODS); which of them it is follows from the content.
 
@@ -94,23 +106,27 @@ def read_cells(
     name
         Of the file, for messages.
     sheet
-        Of a workbook; unless given, the only one with the headings that are wanted, else the first one with cells.
+        Of a workbook; unless given, the only one with the headings and the cells that are wanted, else the first one
+        with cells.
     numbers
         Whether the first sheet with a table, or a row of numbers, is meant where none is given, not a cover before it.
     wanted
         Headings by which the table is found where a file holds several.
+    areas
+        Cells in which the sheet has readings.
 
     Raises
     ------
     TableError
         It cannot be read.
     """
-    wanted = list(wanted)
+    wanted, areas = list(wanted), list(areas)
     if len(content) > MAX_TABLE_BYTES:
         raise TableError(f"{name} is larger than {MAX_TABLE_BYTES} bytes")
     if content.startswith(b"PK"):
-        suits = _looks_like_table if numbers else (lambda rows: _has_columns(rows, wanted)) if wanted else None
-        sheets, chosen, found = read_workbook(content, name, sheet, suits, alone=not numbers and bool(wanted))
+        alone = not numbers and bool(wanted or areas)
+        suits = _looks_like_table if numbers else (lambda rows: _has_columns(rows, wanted, areas)) if alone else None
+        sheets, chosen, found = read_workbook(content, name, sheet, suits, alone=alone)
         rows = _filled(found)
         return _sheet(tuple(sheets), chosen, "", rows, begin(rows, wanted), _first_numbers(rows))
     if content.startswith(b"\xd0\xcf\x11\xe0"):
@@ -174,7 +190,14 @@ def _without_heading(lines: list[tuple[int, str]]) -> str:
 
 
 def _filled(rows: list[list[Cell]]) -> list[tuple[int, list[Cell]]]:
-    return [(line, cells) for line, cells in enumerate(rows, start=1) if any(cell != "" for cell in cells)]
+    """Rows with cells and their lines; of a group in the AGS format its headings with their units, and its data."""
+    filled = [(line, cells) for line, cells in enumerate(rows, start=1) if any(cell != "" for cell in cells)]
+    place = next((place for place, (_, row) in enumerate(filled[:_TITLES]) if row[0] == "HEADING"), None)
+    if place is None or place + 1 == len(filled) or filled[place + 1][1][0] != "UNIT":
+        return filled
+    (line, names), (_, units) = filled[place : place + 2]
+    header = [f"{name} [{unit}]" if name and unit else name for name, unit in zip_longest(names, units, fillvalue="")]
+    return [(line, [names[0], *header[1:]]), *(row for row in filled[place + 2 :] if row[1][0] == "DATA")]
 
 
 def _looks_like_table(rows: list[list[Cell]]) -> int:
@@ -185,9 +208,15 @@ def _looks_like_table(rows: list[list[Cell]]) -> int:
     return int(any(sum(is_reading(cell) for cell in row) >= 2 for row in rows))
 
 
-def _has_columns(rows: list[list[Cell]], wanted: list[str]) -> int:
-    block = begin(_filled(rows), wanted)
-    return 2 if block is not None and block.named else 0
+def _has_columns(rows: list[list[Cell]], wanted: list[str], areas: list[Area]) -> int:
+    block = begin(_filled(rows), wanted) if wanted else None
+    named = not wanted or (block is not None and block.named)
+    return 2 if named and all(_has_readings(rows, area) for area in areas) else 0
+
+
+def _has_readings(rows: list[list[Cell]], area: Area) -> bool:
+    first, last, top, bottom = area
+    return any(is_reading(cell) for row in rows[top - 1 : bottom] for cell in row[first : last + 1])
 
 
 def _first_numbers(rows: list[tuple[int, list[Cell]]]) -> int:

@@ -25,10 +25,11 @@ from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, 
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.picking import (
     Picked,
+    all_picked,
+    area_of,
     column_of,
     is_cells,
     is_range,
-    picked,
     rows_where,
     sheet_of_names,
 )
@@ -51,15 +52,15 @@ class Columns:
     Parameters
     ----------
     sheet
-        Of a workbook; the first one with cells if None.
+        Of a workbook; the only one with these columns, else the first one with cells, if None.
     origin
         Date and time at which x is 0, where x holds dates; the first one if None.
     inputs
         Further columns by the name they are given.
     y_minus
         Column that is subtracted from that of y.
-    where
-        Entries by heading: only rows that have them count.
+    where, turn
+        Entries by heading: only rows that have them count; of several runs of such rows only one, see ``rows_where``.
     dates
         How the dates of x are written where it can be read in several ways.
     time
@@ -85,6 +86,7 @@ class Columns:
     gross_errors: str | None = None
     decimal: DecimalSign | None = None
     incomplete: Literal["leave_out"] | None = None
+    turn: tuple[int, int] | None = None
 
     def wanted(self) -> dict[str, str]:
         """Columns by what they are for."""
@@ -105,7 +107,7 @@ class Table:
     """Columns of a table, all of the same length; ``weight`` None when there is no such column.
 
     ``gross_errors`` are the places of marked rows; ``zero`` is the moment of x = 0, where x holds dates. ``left_out``
-    counts rows that lacked a number and are not here.
+    counts rows that lacked a number and are not here. ``by_load``: x are the stages whose loads the column holds.
     """
 
     x: list[float]
@@ -118,6 +120,7 @@ class Table:
     gross_errors: list[int] = field(default_factory=list)
     zero: datetime | None = None
     left_out: int = 0
+    by_load: bool = False
 
 
 def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Callable[..., Sheet] = read_cells) -> Table:
@@ -142,7 +145,8 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
     quick = None if _needs_cells(columns) else plain_numbers(content)
     wanted = columns.wanted()
     names = tuple(text for text in (*wanted.values(), *columns.where) if not is_cells(text))
-    sheet = read(content, name, columns.sheet, wanted=names) if quick is None else quick[0]
+    areas = tuple(area for text in wanted.values() if (area := area_of(text)) is not None)
+    sheet = read(content, name, columns.sheet, wanted=names, areas=areas) if quick is None else quick[0]
     if content.startswith(b"PK"):
         of = sheet_of_names(content, name, columns.sheet, sheet, wanted)
         sheet = sheet if of == sheet.sheet else read(content, name, of)
@@ -151,13 +155,10 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
     if "weight" not in wanted and column_of(sheet, "weight") and not is_range(wanted["x"]):
         wanted["weight"] = "weight"
     if not sheet.rows and not is_range(wanted["x"]):
-        for role, text in wanted.items():
-            _picked(sheet, [], role, text, name)
+        all_picked(sheet, [], wanted, name)
         raise TableError(f"{name} has a header but no points")
-    rows = rows_where(sheet, columns.where, name)
-    reader = _Reader(
-        name, sheet, columns, {role: _picked(sheet, rows, role, text, name) for role, text in wanted.items()}
-    )
+    rows = rows_where(sheet, columns.where, name, columns.turn)
+    reader = _Reader(name, sheet, columns, all_picked(sheet, rows, wanted, name))
     if quick is None:
         found = reader.table()
     elif columns.origin is not None:
@@ -197,17 +198,6 @@ def _needs_cells(columns: Columns) -> bool:
         or columns.decimal
         or texts.keys() & {"y_minus", "x_time", "gross_error"}
     ) or any(is_range(text) for text in texts.values())
-
-
-def _picked(sheet: Sheet, rows: list[tuple[int, list[Cell]]], role: str, text: str, name: str) -> Picked:
-    try:
-        return picked(sheet, rows, text, name)
-    except TableError as error:
-        if text != role or column_of(sheet, text) or role not in ("x", "y"):
-            raise
-        names = [heading for heading in sheet.header if heading] or ["column 1", "column 2"]
-        suggested = names[min(("x", "y").index(role), len(names) - 1)]
-        raise TableError(f"{error}; say which it is: {role}_column: {suggested}") from None
 
 
 def _same_units(name: str, y: Heading, other: Heading) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from geoswarm.solver.problem.tables.blocks import begin
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
@@ -18,6 +19,7 @@ from geoswarm.solver.problem.tables.headings import (
 )
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell, column_letters
+from geoswarm.solver.problem.tables.picking import Picked, lying_rows
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import TableError
 
@@ -40,7 +42,7 @@ class Column:
     name
         Heading as it stands, or ``column 3`` without one.
     letters
-        Of the column, as spreadsheets call it.
+        Of the column, as spreadsheets call it; its cells, ``B19:K19``, where it lies in a row.
     label
         The heading without its unit.
     unit
@@ -115,11 +117,22 @@ def read_measurements(content: bytes, name: str, sheet: str | None = None) -> Me
     if len(found.rows) > MAX_ROWS:
         raise TableError(f"{name} has {len(found.rows)} rows; at most {MAX_ROWS} are read")
     columns = _columns(found)
+    rows = len(found.rows)
+    if found.sheet is not None and begin(tuple(found.grid.items())) is None and (lying := lying_rows(found)):
+        columns, rows = _lying(found, lying), max(len(row.cells) for row in lying)
     formulas = _formulas(found)
     if len(found.sheets) < 2 and not any(_has_numbers(column) for column in columns):
         told = f"; these cells hold formulas without a stored value: {', '.join(formulas)}" if formulas else ""
         raise TableError(f"{name} has no column of numbers; a heading with rows of numbers below is expected{told}")
-    return Measurements(name, found.sheets, found.sheet, len(found.rows), columns, formulas)
+    return Measurements(name, found.sheets, found.sheet, rows, columns, formulas)
+
+
+def _lying(found: Sheet, rows: Sequence[Picked]) -> tuple[Column, ...]:
+    """Columns of a sheet without a table below headings, whose readings lie in rows."""
+    body = [cells for _, cells in found.rows]
+    return tuple(
+        _column(row.heading[:200], row.name, [cell for _, cell in row.cells], body, {}) for row in rows[:MAX_COLUMNS]
+    )
 
 
 def _has_numbers(column: Column) -> bool:
@@ -149,12 +162,14 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
         heading = found.header[place] if place < len(found.header) else ""
         cells = [row[place] if place < len(row) else "" for row in body]
         if heading or any(cell != "" for cell in cells):
-            columns.append(_column(heading[:200] or f"column {place + 1}", place, cells, body, commented))
+            columns.append(
+                _column(heading[:200] or f"column {place + 1}", column_letters(place), cells, body, commented)
+            )
     return tuple(columns)
 
 
 def _column(
-    heading: str, place: int, cells: list[Cell], body: Sequence[Sequence[Cell]], commented: Mapping[str, str]
+    heading: str, letters: str, cells: list[Cell], body: Sequence[Sequence[Cell]], commented: Mapping[str, str]
 ) -> Column:
     label = guess_unit(heading)[0]
     since = elapsed_days(cells, heading)
@@ -178,7 +193,7 @@ def _column(
     shown = tuple(_shown(cell) for cell in cells[:_FIRST_ROWS])
     return Column(
         heading,
-        column_letters(place),
+        letters,
         label,
         None if best is None else best.unit,
         None if best is None else best.base,

@@ -1,26 +1,42 @@
-"""Which cells of a sheet a column of measurements is: by heading, by letter (B:B), by range (B5:B30) or by name."""
+"""Which cells of a sheet a column of measurements is: by heading, by letter (B:B), by range (B5:B30) or by name.
+
+A column may lie in a row: B19:K19, with its name before it and its unit before or after it.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import dropwhile, takewhile
+from itertools import dropwhile, groupby, takewhile
+from operator import itemgetter
 
-from geoswarm.solver.problem.tables.blocks import is_reading, key, unit_of_cell
-from geoswarm.solver.problem.tables.cells import Sheet, number_in
+from geoswarm.solver.problem.tables.blocks import is_reading, key, shown, unit_of_cell
+from geoswarm.solver.problem.tables.cells import Area, Sheet, number_in
 from geoswarm.solver.problem.tables.headings import guess_unit, without_brackets
 from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_letters, column_number
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.workbooks import named_cells
 from geoswarm.solver.words import listed
 
-__all__ = ["Picked", "column_of", "is_cells", "is_range", "picked", "rows_where", "sheet_of_names"]
+__all__ = [
+    "Picked",
+    "all_picked",
+    "area_of",
+    "column_of",
+    "is_cells",
+    "is_range",
+    "lying_rows",
+    "rows_where",
+    "sheet_of_names",
+]
 
 _ADDRESS = re.compile(r"\$?([A-Za-z]{1,3})\$?(\d{1,7})(?::\.?\$?([A-Za-z]{1,3})\$?(\d{1,7}))?", re.ASCII)
 _LETTERS = re.compile(r"\$?([A-Za-z]{1,3}):\$?([A-Za-z]{1,3})", re.ASCII)
 _OF_SHEET = re.compile(r"\$?(?:'(?P<quoted>(?:[^']|'')*)'|(?P<plain>[^'!.]*))[!.](?P<cells>.*)")
 _MOST_SHOWN = 10
+_LEAST_LYING = 2
+_NAME_ENDS = " :="
 
 Rows = list[tuple[int, list[Cell]]]
 
@@ -45,7 +61,15 @@ def is_range(wanted: str) -> bool:
 
 def is_cells(wanted: str) -> bool:
     """Whether a column is told by its cells or letter."""
-    return is_range(wanted) or _LETTERS.fullmatch(wanted) is not None
+    return area_of(wanted) is not None
+
+
+def area_of(wanted: str) -> Area | None:
+    """Cells that a range or a letter means; None for a heading."""
+    if is_range(wanted) and (found := _ADDRESS.fullmatch(wanted)) is not None:
+        return column_number(found[1]), column_number(found[3]), int(found[2]), int(found[4])
+    letters = _LETTERS.fullmatch(wanted)
+    return None if letters is None else (column_number(letters[1]), column_number(letters[2]), 1, None)
 
 
 def column_of(sheet: Sheet, wanted: str) -> list[int]:
@@ -61,6 +85,31 @@ def column_of(sheet: Sheet, wanted: str) -> list[int]:
     if not sheet.header and (unnamed := re.fullmatch(r"column (\d{1,3})", wanted)) is not None:
         return [int(unnamed[1]) - 1]
     return []
+
+
+def all_picked(sheet: Sheet, rows: Rows, wanted: Mapping[str, str], file: str) -> dict[str, Picked]:
+    """All columns by role; what is wrong with each of them is told at once."""
+    found: dict[str, Picked] = {}
+    messages: list[str] = []
+    for role, text in wanted.items():
+        try:
+            found[role] = _picked(sheet, rows, role, text, file)
+        except TableError as error:
+            messages += error.messages
+    if messages:
+        raise TableError(*messages)
+    return found
+
+
+def _picked(sheet: Sheet, rows: Rows, role: str, text: str, file: str) -> Picked:
+    try:
+        return picked(sheet, rows, text, file)
+    except TableError as error:
+        if text != role or column_of(sheet, text) or role not in ("x", "y"):
+            raise
+        names = [heading for heading in sheet.header if heading] or ["column 1", "column 2"]
+        suggested = names[min(("x", "y").index(role), len(names) - 1)]
+        raise TableError(f"{error}; say which it is: {role}_column: {suggested}") from None
 
 
 def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
@@ -85,12 +134,17 @@ def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
         return Picked(name or wanted, [(line, _cell(row, place)) for line, row in rows], place)
     if not found and is_range(wanted):
         return _range(sheet, wanted, file)
-    what = "there are several columns" if found else "there is no column"
-    header = f"the header has: {', '.join(sheet.header)}" if sheet.header else "there is no line of headings"
+    what = f"there {'are several columns' if found else 'is no column'} '{wanted}'"
+    header = f"; the header has: {', '.join(sheet.header)}" if sheet.header else "; there is no line of headings"
     if len(sheet.sheets) > 1:
         header += f"; this is sheet '{sheet.sheet}' of {', '.join(sheet.sheets)}"
-    remedy = f"; name the cells of one: {listed([_cells(sheet, place) for place in found], 'or')}" if found else ""
-    raise TableError(f"{file} line {sheet.header_line}: {what} '{wanted}'; {header}{remedy}")
+    places = [_cells(sheet, place) for place in found]
+    if not places:
+        lying = [row for row in lying_rows(sheet) if key(wanted) in map(key, (row.heading, _name(row.heading)))]
+        places = [row.name for row in lying]
+        header = ", but rows begin with it" if lying else header
+    remedy = f"; name the cells of one: {listed(places[:_MOST_SHOWN], 'or')}" if places else ""
+    raise TableError(f"{file} line {sheet.header_line}: {what}{header}{remedy}")
 
 
 def _cells(sheet: Sheet, place: int) -> str:
@@ -99,11 +153,27 @@ def _cells(sheet: Sheet, place: int) -> str:
     return f"{letters}{lines[0]}:{letters}{lines[-1]}"
 
 
+def lying_rows(sheet: Sheet) -> list[Picked]:
+    """Rows with a name first and readings behind it."""
+    found = []
+    for line, row in sheet.grid.items():
+        start = next((place for place, cell in enumerate(row) if cell != "" and is_reading(cell)), 0)
+        values = list(takewhile(lambda cell: cell != "" and is_reading(cell), row[start:]))
+        if start and unit_of_cell(row[start - 1]) is None and len(values) >= _LEAST_LYING and row[start - 1] != "":
+            cells = f"{column_letters(start)}{line}:{column_letters(start + len(values) - 1)}{line}"
+            found.append(_range(sheet, cells, ""))
+    return found
+
+
+def _name(heading: str) -> str:
+    return guess_unit(heading)[0].rstrip(_NAME_ENDS)
+
+
 def _range(sheet: Sheet, wanted: str, file: str) -> Picked:
-    address = _ADDRESS.fullmatch(wanted)
+    address = area_of(wanted)
     assert address is not None
-    first, last = column_number(address[1]), column_number(address[3] or address[1])
-    top, bottom = int(address[2]), int(address[4] or address[2])
+    first, last, top, bottom = address
+    assert bottom is not None
     if (first != last and top != bottom) or first > last or top > bottom:
         raise TableError(f"{file}: cells {wanted} are neither a column such as B5:B30 nor a row such as B5:M5")
     known = max(sheet.grid, default=0)
@@ -112,10 +182,12 @@ def _range(sheet: Sheet, wanted: str, file: str) -> Picked:
     if first == last:
         cells = [(line, _cell(sheet.grid.get(line, []), first)) for line in range(top, bottom + 1)]
         before = [_cell(sheet.grid.get(line, []), first) for line in range(top - 1, 0, -1)]
-    else:
-        cells = [(top, _cell(sheet.grid.get(top, []), place)) for place in range(first, last + 1)]
-        before = [_cell(sheet.grid.get(top, []), place) for place in range(first - 1, -1, -1)]
-    return Picked(wanted, cells, heading=_heading(before))
+        return Picked(wanted, cells, heading=_heading(before))
+    row = sheet.grid.get(top, [])
+    after = unit_of_cell(next((cell for cell in row[last + 1 :] if cell == "" or not is_reading(cell)), ""))
+    heading = _heading([_cell(row, place) for place in range(first - 1, -1, -1)])
+    cells = [(top, _cell(row, place)) for place in range(first, last + 1)]
+    return Picked(wanted, cells, heading=heading if after is None else f"{heading} [{after}]")
 
 
 def _heading(before: list[Cell]) -> str:
@@ -174,28 +246,40 @@ def _names_used(
     return found
 
 
-def rows_where(sheet: Sheet, where: Mapping[str, str | float], file: str) -> Rows:
+def rows_where(sheet: Sheet, where: Mapping[str, str | float], file: str, turn: tuple[int, int] | None = None) -> Rows:
     """Rows with these entries; an empty cell below another one means the same as that, as in merged cells.
+
+    Parameters
+    ----------
+    turn
+        Of so many runs of consecutive rows with the last entry only this one, from 0: ``(1, 2)`` is the last of two.
 
     Raises
     ------
     TableError
-        No row has them, or there is no such column.
+        No row has them, there is no such column, or the runs are not as many.
     """
     rows = sheet.rows
+    runs = [rows]
     for heading, value in where.items():
         entries: list[Cell] = []
         for _, cell in picked(sheet, rows, heading, file).cells:
             entries.append(entries[-1] if cell == "" and entries else cell)
-        kept = [row for row, entry in zip(rows, entries, strict=True) if _same(entry, value)]
-        if not kept:
+        marked = zip((_same(entry, value) for entry in entries), rows, strict=True)
+        runs = [[row for _, row in run] for same, run in groupby(marked, key=itemgetter(0)) if same]
+        if not runs:
             known = list(dict.fromkeys(str(entry) for entry in entries if entry != ""))
             more = f", ... ({len(known)} in all)" if len(known) > _MOST_SHOWN else ""
             raise TableError(
                 f"{file}: no row has {heading} = {value}; there are: {', '.join(known[:_MOST_SHOWN])}{more}"
             )
-        rows = kept
-    return rows
+        rows = [row for run in runs for row in run]
+    if turn is None:
+        return rows
+    if len(runs) != turn[1]:
+        told = ", ".join(f"{heading} = {shown(value)}" for heading, value in where.items())
+        raise TableError(f"{file}: {turn[1]} blocks have {told}, but {len(runs)} parts of the table; give one for each")
+    return runs[turn[0]]
 
 
 def _same(entry: Cell, value: str | float) -> bool:

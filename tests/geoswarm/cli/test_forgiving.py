@@ -211,7 +211,7 @@ def test_readings_that_no_soil_can_have_need_accept(tmp_path: Path, capsys: pyte
         assert main([command[0], str(path), *command[1:]]) == 2
         told = capsys.readouterr().err
         assert "observations[0].y_unit: the largest reading, 3.66 m, is more than the height of the specimen" in told
-        assert "accept: [settlement] runs the problem as it is" in told
+        assert "accept: [settlement] or --accept settlement runs the problem as it is" in told
     assert not (tmp_path / "out").exists()
     assert main(["check", str(path), "--accept", "settlement"]) == 0
     assert "is more than the height of the specimen" in capsys.readouterr().err

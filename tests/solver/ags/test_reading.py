@@ -10,6 +10,8 @@ from geoswarm.solver.ags import reading
 from geoswarm.solver.ags.reading import read_ags, read_ags_file
 from geoswarm.solver.ags.tables import AgsError, AgsGroup
 from tests.solver.ags.synthetic import content
+from tests.solver.problem.test_laboratory_files import sheet_rows
+from tests.solver.problem.test_measurements import workbook
 
 HEAD = '"GROUP","LOAD"\r\n"HEADING","LOCA_ID","LOAD_P"\r\n"UNIT","","MPa"\r\n"TYPE","ID","2DP"\r\n'
 
@@ -61,7 +63,7 @@ def test_encodings() -> None:
     [
         (b'"**PROJ"\r\n"*PROJ_ID"\r\n', r'a.ags line 1: "\*\*PROJ" is AGS 3; AGS 4 is accepted'),
         (b"", "a.ags contains no groups; give a file in the AGS 4 format"),
-        (b"PK\x03\x04\0", "a.ags is not a text file"),
+        (b"PK\x03\x04\0", "a.ags cannot be read as an XLSX or ODS workbook"),
         (b"stress,strain\n", "line 1 begins with 'stress'; GROUP, HEADING, UNIT, TYPE, DATA are accepted"),
         (b'"DATA","1"\r\n', "line 1: DATA comes before the first GROUP"),
         (b'"GROUP","A"\r\n"DATA","1"\r\n', "line 2: group A: DATA comes before HEADING"),
@@ -119,3 +121,20 @@ def test_files_are_read(tmp_path: Path) -> None:
     assert (file.name, len(file.groups["CONS"].rows)) == ("a.ags", 19)
     with pytest.raises(AgsError, match=r"b\.ags: No such file"):
         read_ags_file(tmp_path / "b.ags")
+
+
+def test_a_workbook_has_a_sheet_for_each_group() -> None:
+    rows = sheet_rows(
+        ("HEADING", "LOCA_ID", "LOAD_P"),
+        ("UNIT", None, "MPa"),
+        ("TYPE", "ID", "2DP"),
+        ("DATA", "BH1", 0.25, "no heading"),
+        ("note", "stray"),
+        ("DATA", "BH2"),
+    )
+    group = read_ags(workbook(("Cover", sheet_rows(("a", 1))), ("LOAD", rows)), "a.xlsx").groups["LOAD"]
+    assert (group.headings, group.units) == (("LOCA_ID", "LOAD_P"), ("", "MPa"))
+    assert [(row.line, row.cells) for row in group.rows] == [(4, ("BH1", "0.25")), (6, ("BH2", ""))]
+    assert group.number(group.rows[0], "LOAD_P", "kPa") == 250.0
+    with pytest.raises(AgsError, match=r"a\.xlsx contains no groups; give a file in the AGS 4 format"):
+        read_ags(workbook(("Cover", sheet_rows(("a", 1)))), "a.xlsx")

@@ -13,6 +13,7 @@ from geoswarm.solver.estimates.proposal import proposed, with_parameters
 from geoswarm.solver.estimates.usual import ordered
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.sentences import plain
 
 
 def problem(material: str, parameters: dict[str, Any], properties: dict[str, Any], **model: Any) -> Problem:
@@ -75,11 +76,13 @@ def test_the_void_ratio_of_the_test_goes_before_that_of_the_index_properties() -
 
 def test_bounds_that_leave_out_all_that_is_expected_are_told() -> None:
     narrow = SOFT | {"lambda_star": {"lower": 0.002, "upper": 0.01}, "kappa_star": {"value": 0.001}}
-    warnings = [one for one in implausible(problem("soft_soil_creep", narrow, PROPERTIES)) if "index" in one]
+    warnings = [
+        one for one in map(plain, implausible(problem("soft_soil_creep", narrow, PROPERTIES))) if "index" in one
+    ]
     assert len(warnings) == 1
     assert warnings[0].startswith("parameters.lambda_star.upper = 0.01: by the index properties ")
     assert "Wroth & Wood (1978)" in warnings[0]
-    assert not [one for one in implausible(problem("soft_soil_creep", SOFT, PROPERTIES)) if "index" in one]
+    assert not [one for one in map(plain, implausible(problem("soft_soil_creep", SOFT, PROPERTIES))) if "index" in one]
 
 
 def test_the_section_is_part_of_the_document_where_it_is_given() -> None:
@@ -145,7 +148,7 @@ def test_a_layer_takes_parameters_from_its_own_index_properties() -> None:
     wrong = {**document, "parameters": {**given, "clay.lambda": {"lower": 1.0, "upper": 2.0}}}
     assert any(
         "parameters.clay.lambda.lower = 1: by the index properties" in text
-        for text in implausible(parse_problem(wrong))
+        for text in map(plain, implausible(parse_problem(wrong)))
     )
 
 

@@ -14,6 +14,7 @@ from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.plausibility import implausible, impossible
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.runs.check import check_problem
+from geoswarm.solver.sentences import Key, plain
 
 STRESSES = (25.0, 50.0, 100.0, 200.0, 400.0, 100.0)
 SOIL = {"lambda_star": 0.09, "kappa_star": 0.015, "mu_star": 0.004, "c": 5.0, "phi": 24.0}
@@ -30,7 +31,7 @@ def settlement(stresses: tuple[float, ...] = STRESSES, noise: float = 0.0) -> np
 
 def warnings(*changes: Any, **model: Any) -> tuple[str, ...]:
     """Warnings of an oedometer test; see :func:`oedometer`."""
-    return implausible(oedometer(*changes, **model))
+    return tuple(map(plain, implausible(oedometer(*changes, **model))))
 
 
 def oedometer(
@@ -211,7 +212,7 @@ observations:
 stopping: {{max_evaluations: 10}}
 """
     (tmp_path / "problem.yaml").write_text(problem, encoding="utf-8")
-    found = [one for one in implausible(load_problem(tmp_path / "problem.yaml")) if "heading" in one]
+    found = [one for one in map(plain, implausible(load_problem(tmp_path / "problem.yaml"))) if "heading" in one]
     assert bool(found) == warned
     if warned:
         assert found[0].startswith(
@@ -272,15 +273,17 @@ def test_a_part_of_a_combined_test_is_named() -> None:
         "observations": [{"series": "ring.settlement", "y_unit": "m", **given}],
         "stopping": {"max_evaluations": 10},
     }
-    found = implausible(parse_problem(document))
+    found = [plain(one) for one in implausible(parse_problem(document))]
     assert found[0].startswith("forward_model.parts.ring.height = 20 m is far from what is usual")
     document["observations"] = [{"series": "ring.settlement", "y_unit": "km", **given}]
-    assert "observations[0] (ring.settlement): the largest reading" in implausible(parse_problem(document))[1]
-    assert "in m it would be 0.26 of it" in implausible(parse_problem(document))[1]
+    found = [plain(one) for one in implausible(parse_problem(document))]
+    assert "observations[0] (ring.settlement): the largest reading" in found[1]
+    assert "in m it would be 0.26 of it" in found[1]
     document["observations"] = [
         {"series": "ring.settlement", "y_unit": "m", **points(TIMES, np.full(TIMES.size, 1e12))}
     ]
-    assert "forward_model.parts.ring.height" in implausible(parse_problem(document))[1]
+    found = [plain(one) for one in implausible(parse_problem(document))]
+    assert "forward_model.parts.ring.height" in found[1]
 
 
 def test_check_tells_all_of_it() -> None:
@@ -330,6 +333,20 @@ def test_readings_that_no_soil_can_have_are_refused(changes: dict[str, Any], ref
     assert impossible(accepted) == []
     assert parse_problem(accepted.document()) == accepted
     assert any("the largest reading" in one for one in check_problem(accepted).warnings)
+
+
+def test_a_sentence_names_the_keys_that_a_form_words() -> None:
+    """The form showed ``y_unit: mm``."""
+    (sentence,) = [one for one in implausible(oedometer({"y_unit": "m"})) if "largest" in plain(one)]
+    keys = [part for part in sentence if isinstance(part, Key)]
+    assert [(key.path, key.value) for key in keys] == [
+        ("observations[0]", "settlement"),
+        ("observations[0].y_unit", "mm"),
+    ]
+    assert plain(sentence).endswith("it would be 0.26 of it: y_unit: mm")
+    (issue,) = impossible(oedometer({"y_unit": "m"}))
+    assert plain(issue.parts) == issue.message
+    assert [part.path for part in issue.parts if isinstance(part, Key)] == ["observations[0].y_unit", "accept"]
 
 
 def test_what_is_accepted_is_a_series() -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from geoswarm.solver.plausibility import implausible
 from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.sentences import plain
 
 
 def warnings(*weights: float, **more: Any) -> list[str]:
@@ -26,7 +27,7 @@ def warnings(*weights: float, **more: Any) -> list[str]:
         ],
         "stopping": {"max_evaluations": 10},
     }
-    return [one for one in implausible(parse_problem(document | more)) if "units" in one]
+    return [one for one in map(plain, implausible(parse_problem(document | more))) if "units" in one]
 
 
 def test_different_units_without_weights_are_a_warning_with_the_shares() -> None:

@@ -64,6 +64,17 @@ def test_stages_one_below_the_other_by_their_number() -> None:
     assert read(f"stage;t [min];s [mm]\n{rows}".encode(), x_column="t", y_column="s", blocks=blocks)[:2] == (X, Y)
 
 
+AGAIN = "load;t [min];s [mm]\n10;0;0\n;60;0.2\n20;0;0.2\n20;60;0.4\n10;0;0.4\n10;60;0.35\n"
+
+
+def test_a_load_that_comes_again_is_a_block_of_its_own() -> None:
+    """Both parts were read twice."""
+    blocks: list[dict[str, Any]] = [{"where": {"load": load}} for load in (10, 20, 10)]
+    assert read(AGAIN.encode(), x_column="t", y_column="s", blocks=blocks)[1] == [0, 0.2, 0.2, 0.4, 0.4, 0.35]
+    with pytest.raises(ProblemError, match="3 blocks have load = 10, but 2 parts of the table; give one for each"):
+        read(AGAIN.encode(), x_column="t", y_column="s", blocks=[*blocks, blocks[0]])
+
+
 def test_blocks_with_dates_count_from_the_first() -> None:
     rows = b"date;s [mm];date;s [mm]\n2024-03-01;1;2024-03-03 12:00;3\n2024-03-02;2;2024-03-04;4\n"
     blocks = [{key: value for key, value in block.items() if key != "stage"} for block in IN_TURN]

@@ -31,10 +31,11 @@ observations:
 """
 
 
-def observed(folder: Path, name: str, content: str | bytes, **keys: Any) -> Observation:
+def observed(folder: Path, name: str, content: str | bytes, series: str = "settlement", **keys: Any) -> Observation:
     (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
     lines = "".join(f"  {key}: {value}\n" for key, value in {"file": name, **keys}.items())
-    (folder / "problem.yaml").write_text(OEDOMETER + lines, encoding="utf-8")
+    document = OEDOMETER.replace("series: settlement", f"series: {series}") + lines
+    (folder / "problem.yaml").write_text(document, encoding="utf-8")
     problem = load_problem(folder / "problem.yaml")
     assert problem.document()["observations"][0]["points"]["x"] == problem.observations[0].points.x
     return problem.observations[0]

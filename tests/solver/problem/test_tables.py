@@ -98,8 +98,9 @@ def test_columns_by_name(tmp_path: Path) -> None:
         (
             "1,2\n3,4\n",
             [
-                "data.csv line 1: there is no column 'x'; there is no line of headings; say which it is: "
-                "x_column: column 1"
+                f"data.csv line 1: there is no column '{axis}'; there is no line of headings; say which it is: "
+                f"{axis}_column: column {place}"
+                for place, axis in enumerate("xy", 1)
             ],
         ),
         ('x,y\n"1,2\n', ["data.csv line 2: unexpected end of data"]),

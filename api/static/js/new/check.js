@@ -4,6 +4,7 @@ import { count, duration, number, objectiveUnit, percent, symbol, withUnit } fro
 import { post } from "../http.js";
 import { forget } from "./draft.js";
 import { pointsPlot } from "./points_plot.js";
+import { worded } from "./words.js";
 
 const PLACEHOLDER = "The check makes one forward calculation with the estimates (or the middle of the bounds), shows it against the data and estimates the cost.";
 
@@ -60,7 +61,7 @@ export function checkSection(context, place, judged) {
     exchange(result,
       element("h3", {}, run_.state === "finished" ? "The forward calculation works" : "The forward calculation failed"),
       run_.state === "finished" ? null : element("p", { class: "error", role: "alert" }, `${run_.reason}: ${run_.message}`),
-      found.warnings.length ? element("ul", { class: "notes", role: "alert" }, found.warnings.map((text) => element("li", {}, text))) : null,
+      answer.warning_parts.length ? element("ul", { class: "notes", role: "alert" }, answer.warning_parts.map((parts) => element("li", {}, worded(parts)))) : null,
       Object.entries(found.notes).map(([series, notes]) => element("p", { class: "help" }, `Readings of ${series}: ${notes.join("; ")}.`)),
       found.assumptions.map((sentence) => element("p", { class: "help" }, `Assumed: ${sentence}`)),
       element("dl", {},

@@ -6,6 +6,7 @@ import { agsChoice, assumed, contentsOf, isAgs } from "./import/ags.js";
 import { mapping } from "./import/mapping.js";
 
 const NAMED = 4; // specimens that a sentence names
+const GROUPS = ["CONG", "ESCG", "TREG", "TRIG", "MOND"]; // sheets of a workbook in the AGS format
 
 /**
  * The place for files; `context` tells of series and readings (see `mapping`) and of the problem (see `agsChoice`);
@@ -43,6 +44,7 @@ export function uploader(context, act) {
   async function columns(file, sheet) {
     const content = new Blob([file]);
     const answer = await (await request("POST", "/measurements", { query: { name: file.name, sheet }, body: content, headers: { "Content-Type": "application/octet-stream" } })).json();
+    if (!sheet && answer.sheets.some((name) => GROUPS.includes(name))) return tests(file);
     return mapping(answer, content, context, {
       sheet: (other) => read(file, other),
       take: (observation, name) => {

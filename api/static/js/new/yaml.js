@@ -1,6 +1,7 @@
 // The same problem as YAML: always there, can be written, copied and downloaded; with the list of what is wrong.
 import { announce, element, exchange } from "../dom.js";
 import { isTodo } from "./fields.js";
+import { messageOf, worded } from "./words.js";
 
 export function yamlPanel(context, place, strict) {
   const { draft } = context;
@@ -37,8 +38,8 @@ export function yamlPanel(context, place, strict) {
 
   function showIssues(answer) {
     const todo = answer.issues.filter(isTodo), wrong = answer.issues.filter((one) => !isTodo(one));
-    const told = answer.valid ? answer.warnings : [];
-    exchange(warnings, told.map((sentence) => element("li", {}, sentence)));
+    const told = answer.valid ? answer.warning_parts : [];
+    exchange(warnings, told.map((parts) => element("li", {}, worded(parts))));
     start.hidden = !answer.valid;
     verdict.textContent = answer.valid
       ? told.length ? `Complete, with ${told.length === 1 ? "one warning" : `${told.length} warnings`}: ready to start.` : "Complete and valid: ready to start."
@@ -48,7 +49,7 @@ export function yamlPanel(context, place, strict) {
   }
 
   function item(issue) {
-    const words = `${issue.path || "problem"}: ${issue.message}`;
+    const words = `${issue.path || "problem"}: ${messageOf(issue)}`;
     const jump = element("button", { type: "button", class: "link", onclick: () => go(issue) }, issue.line ? `line ${issue.line}` : "show");
     return element("li", { class: isTodo(issue) ? "todo" : "wrong" }, words, " ", jump);
   }

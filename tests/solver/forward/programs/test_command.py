@@ -227,6 +227,18 @@ def test_what_this_run_has_not_written_does_not_count(way: str, tmp_path: Path) 
     assert found("job.log", "shutil.copy(old, name)", success={"text": finished})[0] is None
 
 
+def test_a_file_in_a_linked_folder_does_not_count(tmp_path: Path) -> None:
+    """It may be there from yesterday, however new its times are."""
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "out.csv").write_text("x,y\n0,1\n2,1\n")
+    link = "os.rmdir('res'); os.symlink(old, 'res'); os.utime('res/out.csv')"
+    code = f"import os\nold = {str(tmp_path / 'old')!r}\n{link}"
+    series = {"y": {"file": "res/out.csv", "x": "x", "y": "y"}}
+    given = problem(tmp_path, run=["{python}", "-c", code], series=series)
+    found = Calibration(given, 1).evaluate_values({"a": 0.5, "b": 0.5})
+    assert (found.reason, "res/out.csv is in a linked folder" in (found.message or "")) == ("no_output", True)
+
+
 def test_new_collections_of_results_with_old_times_are_refused(tmp_path: Path) -> None:
     code = (
         "import os\nopen('old.vtu', 'w').write('<VTKFile></VTKFile>'); os.utime('old.vtu', (1, 1))\n"

@@ -1,6 +1,6 @@
 // What is chosen of a file: columns, units, rows; how a problem file would say it, and what is still open.
 import { plainBase } from "../units.js";
-import { columnOfX, columnOfY, conflict, reference, unitless } from "./matching.js";
+import { columnOfX, columnOfY, conflict, loadsAsX, reference, unitless } from "./matching.js";
 
 export const CELLS = "cells"; // a column that is told by its letters, cells or name
 
@@ -25,7 +25,7 @@ export function suitUnits(state, file, info, axes = ["x", "y"]) {
   for (const axis of axes) {
     const column = file.columns[state[axis]];
     const clock = axis === "x" && column?.kind === "clock";
-    const plain = info && plainBase(info[`${axis}_unit`]) === "dimensionless" && (!column?.unclear || unitless(info, axis));
+    const plain = info && plainBase(info[`${axis}_unit`]) === "dimensionless" && !loadsAsX(info, axis, column) && (!column?.unclear || unitless(info, axis));
     state[`${axis}Unit`] = column?.unit ?? (clock ? "day" : plain ? "dimensionless" : "");
   }
 }

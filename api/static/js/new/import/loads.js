@@ -6,14 +6,13 @@ import { button } from "../schema_form.js";
 import { unitsOf } from "../units.js";
 import { CELLS, section } from "./choices.js";
 import { words } from "./inputs.js";
-import { reference } from "./matching.js";
+import { meansLoad, reference } from "./matching.js";
 
-const LOADS = ["axial_stress", "normal_stress", "effective_stress"];
 const SHOWN = 6; // stages that a sentence names
 
 /** The column that seems to hold loads, by its words or its unit; undefined: none. */
 export function columnOfLoads(file) {
-  const meant = file.columns.findIndex((column) => column.kind === "number" && column.quantities.some((one) => LOADS.includes(one)));
+  const meant = file.columns.findIndex(meansLoad);
   const found = meant >= 0 ? meant : file.columns.findIndex((column) => column.kind === "number" && column.base === "kPa");
   return found >= 0 ? found : undefined;
 }
@@ -68,8 +67,7 @@ export function loadStages(file, content, state, context, act) {
     exchange(place, element("p", { class: "help" }, `“${of.name}” has ${count(found.stages.length)} stages: ${named.join(", ")}${more > 0 ? `, and ${count(more)} more` : ""}${found.initial_stress ? `; before them ${number(found.initial_stress)} kPa` : ""}.`),
       same ? element("p", { class: "help" }, "These are the stages of the forward model.")
         : element("div", { class: "buttons" }, button(`Fill in these ${count(found.stages.length)} stages`, () => act.stages(found))));
-    const loads = found.stages.map(({ load }) => load);
-    if (same && found.elapsed && new Set(loads).size === loads.length) act.joined(loads.map((load, i) => ({ where: { [reference(file, state.more.load_column)]: load }, stage: i + 1 })));
+    if (same && found.elapsed) act.joined(found.stages.map(({ load }, i) => ({ where: { [reference(file, state.more.load_column)]: load }, stage: i + 1 })));
   }
 
   return { place, renew };

@@ -8,7 +8,7 @@ import { plainBase, unitsOf } from "../units.js";
 import { CELLS, beginning, conflicts, doubts, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
 import { choice, firstRows, flag, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
-import { likelySeries, readable } from "./matching.js";
+import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
 import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
 
 const PAUSE = 250; // ms without a change before the file is read again
@@ -50,9 +50,10 @@ export function mapping(file, content, context, act) {
     const mine = new AbortController();
     running = mine;
     try {
-      const query = { name: file.name, observation: JSON.stringify(section(file, state)), forward_model: context.forwardModel() };
+      const loads = byLoad(info(), "x") && plainBase(state.xUnit) !== "dimensionless" ? state.xUnit || undefined : undefined;
+      const query = { name: file.name, observation: JSON.stringify({ ...section(file, state), x_unit: loads }), forward_model: context.forwardModel() };
       points = await (await request("POST", "/measurements/points", { query, body: content, headers: { "Content-Type": "application/octet-stream" }, signal: mine.signal })).json();
-      ["x", "y"].filter((axis) => state[axis] === CELLS).forEach(found);
+      ["x", "y"].filter((axis) => state[axis] === CELLS && !byLoad(info(), axis)).forEach(found);
     } catch (error) {
       if (error.name === "AbortError") return;
       refused = error.issues?.length ? error.issues.map(({ message }) => message) : [error.message];
@@ -99,7 +100,7 @@ export function mapping(file, content, context, act) {
     const name = (column) => (file.columns.filter((one) => one.name === column.name).length > 1 ? `${column.name} (${column.letters})` : column.name);
     const columns = (kinds) => [...file.columns.map((column, i) => [i, name(column), !kinds(column)]), [CELLS, "by cells or name …"]];
     const pick = (axis, kinds) => [
-      choice(`map-${axis}`, `Column of ${axis}`, columns(kinds), state[axis], (value) => { state[axis] = value; suitUnits(state, file, about, [axis]); change(true); }),
+      choice(`map-${axis}`, `Column of ${axis}`, columns(kinds), state[axis], (value) => choose(axis, value)),
       state[axis] === CELLS ? words(`map-${axis}-cells`, `Cells of ${axis}`, state[`${axis}Cells`], (value) => { state[`${axis}Cells`] = value; change(false); }, { placeholder: "B5:B30", help: "B5:B30, B5:M5 in a row, B:B, or a name of the workbook." }) : null,
       unit(axis),
     ];
@@ -121,6 +122,14 @@ export function mapping(file, content, context, act) {
     load();
   }
 
+  function choose(axis, value) {
+    const pair = axis === "y" && info() !== undefined && lies(file.columns[value]);
+    state[axis] = value;
+    if (pair) state.x = columnOfX(file, info(), value);
+    suitUnits(state, file, info(), pair ? ["x", "y"] : [axis]);
+    change(true);
+  }
+
   function change(redraw) {
     if (redraw) draw();
     else load();
@@ -128,9 +137,9 @@ export function mapping(file, content, context, act) {
 
   function unit(axis) {
     const base = info()?.[`${axis}_unit`];
-    const listed = unitsOf(base ?? file.columns[state[axis]]?.base ?? "");
+    const listed = unitsOf(loadsAsX(info(), axis, file.columns[state[axis]]) ? "kPa" : base ?? file.columns[state[axis]]?.base ?? "");
     const dates = axis === "x" && ["time", "clock"].includes(file.columns[state.x]?.kind);
-    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; made.classList.toggle("asked", !value); show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
+    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; made.classList.toggle("asked", !value); if (byLoad(info(), axis)) load(); else show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
     if (dates) made.querySelector("input").readOnly = true;
     return made;
   }
@@ -138,7 +147,7 @@ export function mapping(file, content, context, act) {
   function accept() {
     const { x, y, weight, readings, independent, range, inputs, gross_errors: gross, notes: told } = points;
     const observation = { series: state.series };
-    for (const axis of ["x", "y"]) if (state[`${axis}Unit`] && plainBase(state[`${axis}Unit`]) !== plainBase(info()?.[`${axis}_unit`])) observation[`${axis}_unit`] = state[`${axis}Unit`];
+    for (const axis of ["x", "y"]) if (!byLoad(info(), axis) && state[`${axis}Unit`] && plainBase(state[`${axis}Unit`]) !== plainBase(info()?.[`${axis}_unit`])) observation[`${axis}_unit`] = state[`${axis}Unit`];
     observation.points = { x, y, ...(weight ? { weight } : {}), ...(readings ? { readings } : {}), ...(independent ? { independent } : {}), ...(range === null ? {} : { range }), ...(Object.keys(inputs).length ? { inputs } : {}) };
     if (state.reverse) observation.y_factor = -1;
     if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });

@@ -10,9 +10,10 @@ const heading = (column) => column.name.trim().replace(/\s+/g, " ").toLowerCase(
 /** Whether a column can be read as numbers, dates or, once it is said how, times. */
 export const readable = (column) => column.kind !== "text";
 
-/** How a problem file calls a column: by its heading where no other has it, else by its letters. */
+/** How a problem file calls a column: by its heading where no other has it, else by its letters; by its cells where it lies in a row. */
 export function reference(file, i) {
   const column = file.columns[i];
+  if (lies(column)) return column.letters;
   const alone = file.columns.filter((one) => heading(one) === heading(column)).length === 1;
   return alone && column.name.length < 200 && !/^column \d+$/.test(column.name) ? column.name : `${column.letters}:${column.letters}`;
 }
@@ -25,9 +26,12 @@ function dimensionOf(unit) {
   return ["day", "m", "kPa", "degree", "dimensionless"].find((base) => unitsOf(base).includes(plainBase(unit))) ?? null;
 }
 
+/** Whether x are numbers of stages, which the service finds by their loads, too. */
+export const byLoad = (info, axis) => axis === "x" && info?.x_quantity === "stage";
+
 /** What is wrong with a unit for an axis of a series; null where nothing is known to be. */
 export function conflict(info, axis, unit, column) {
-  if (!info || unitless(info, axis)) return null;
+  if (!info || unitless(info, axis) || (byLoad(info, axis) && dimensionOf(unit) === "kPa")) return null;
   const wanted = plainBase(info[`${axis}_unit`]);
   const base = column?.unit === unit ? column.base : dimensionOf(unit);
   if (!unit || base === null || base === undefined || base === wanted || dimensionOf(wanted) === null) return null;
@@ -45,11 +49,27 @@ function meaning(column, info) {
 
 const meansX = (column, info) => column.quantities.some((one) => key(info.x_quantity) === one || key(info.x_quantity).endsWith(`_${one}`));
 
+/** Whether a column lies in a row of the sheet. */
+export const lies = (column) => column?.letters.includes(":") ?? false;
+
+const LOADS = ["axial_stress", "normal_stress", "effective_stress"];
+
+/** Whether a column seems to hold loads, by its words. */
+export const meansLoad = (column) => column.kind === "number" && (column.base ?? "kPa") === "kPa" && column.quantities.some((one) => LOADS.includes(one));
+
+/** Whether a column of loads is chosen in place of numbers of stages. */
+export const loadsAsX = (info, axis, column) => byLoad(info, axis) && column !== undefined && meansLoad(column);
+
+/** Whether two columns may be x and y of readings; rows of a sheet differ in length. */
+const paired = (one, other) => one !== other && !(lies(other) && one.values.length !== other.values.length);
+
 /** The column of x for a series, null where it is not plain. */
 export function columnOfX(file, info, y) {
-  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column, i }) => readable(column) && column.kind !== "clock" && i !== y);
+  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => readable(column) && column.kind !== "clock" && paired(column, file.columns[y]));
+  if (lies(file.columns[y])) usable.sort((one, other) => Math.abs(one.i - y) - Math.abs(other.i - y)); // a block has both
   const found = usable.find(({ column }) => meansX(column, info))
     ?? usable.find(({ column }) => column.base !== null && column.base === plainBase(info.x_unit) && column.base !== "dimensionless")
+    ?? (byLoad(info, "x") ? usable.find(({ column }) => meansLoad(column)) : undefined)
     ?? usable.find(({ column }) => key(column.label) === "x")
     ?? (info.x_quantity === "x" || usable.length === 1 ? usable[0] : undefined);
   return found?.i ?? null;
@@ -68,7 +88,7 @@ export function columnOfY(file, info) {
 export function likelySeries(file, known) {
   const pairs = known.flatMap((info, place) => file.columns.map((column, y) => ({ info, place, column, y, meant: column.kind === "number" ? meaning(column, info) : -1 })));
   const rank = ({ info, place, column, y, meant }) => {
-    const x = file.columns.some((one, i) => i !== y && readable(one) && meansX(one, info));
+    const x = file.columns.some((one) => readable(one) && paired(one, column) && (meansX(one, info) || (byLoad(info, "x") && meansLoad(one))));
     const fits = column.base === null || column.base === plainBase(info.y_unit);
     return [meant, x ? 0 : 1, fits ? 0 : 1, info.name.includes(".") ? 1 : 0, PREFIX.test(info.name) ? 1 : 0, y, place];
   };
