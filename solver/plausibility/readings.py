@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.forward.staged_section import StagedLoadSpec
-from geoswarm.solver.laboratory.section import LaboratorySpec
+from geoswarm.solver.laboratory.section import FlowSpec, LaboratorySpec
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
 from geoswarm.solver.plausibility.units import meant_unit, with_unit
 from geoswarm.solver.problem import Observation, Problem
@@ -34,6 +34,8 @@ _NEGATIVE = 3.0
 """The lowest reading is negative, and so many times as far from zero as the highest."""
 _STRESSES, _USUAL_STRESSES = (1.0e-3, 1.0e3), (0.02, 20.0)
 """Largest stress that is read over the largest one that is applied: what is possible, and what is usual."""
+_AT_FIRST, _OFFSET = 2.0e-3, 5.0
+"""Part of the largest x up to which a reading is one of the beginning; kPa that its pore pressure may be off."""
 _SYMBOLS = frozenset(("q", "p'", "τ", "σ'v"))
 """Quantities of series that are stresses."""
 
@@ -92,9 +94,11 @@ def doubtful_readings(problem: Problem) -> Iterator[Doubt]:
             yield from _size(readings)
     infos = {info.name: info for info in problem.model.series}
     for index, one in enumerate(problem.observations):
-        _, spec, _ = section_of_test(problem.forward_model, one.series)
+        section, spec, name = section_of_test(problem.forward_model, one.series)
         if isinstance(spec, LaboratorySpec):
             yield from _of_any_law(f"observations[{index}]", one, infos[one.series], spec)
+            if name == "pore_pressure" and not isinstance(spec, FlowSpec):
+                yield from _back_pressure(f"observations[{index}]", one, section, getattr(spec, "back_pressure", 0.0))
 
 
 def _size(readings: StagedReadings) -> Iterator[Doubt]:
@@ -199,6 +203,18 @@ def _of_any_law(place: str, observation: Observation, info: SeriesInfo, spec: La
         shown = with_unit(float(f"{float(convert(largest, base or '1', unit or '1')):.3g}"), unit)
         seen = f"the largest value of {quantity}, {shown}, is {what}"
         yield Doubt(observation.series, place, f"{axis}_unit", seen, _unit(place, axis, unit, meant), True)
+
+
+def _back_pressure(place: str, observation: Observation, section: str, back: float) -> Iterator[Doubt]:
+    """Pore pressures that do not begin at the back pressure, where a reading stands at the beginning."""
+    first = int(np.argmin(np.abs(observation.x)))
+    begins, span = float(observation.y[first]), float(np.ptp(observation.y))
+    away = abs(begins - back)
+    if abs(observation.x[first]) > _AT_FIRST * np.abs(observation.x).max() or away < _OFFSET or away < 0.2 * span:
+        return
+    seen = f"the pore pressure begins at {begins:.4g} kPa, but the back pressure of the test is {back:g} kPa"
+    remedy = ("; give ", setting(f"{section}.back_pressure", f"{begins:.0f}"), ", or the excess pore pressure")
+    yield Doubt(observation.series, place, "", seen, remedy, away > 0.5 * span)
 
 
 def _within(scale: float, usual: tuple[float, float], value: float) -> bool:

@@ -354,3 +354,30 @@ def test_what_is_accepted_is_a_series() -> None:
     assert [str(issue) for issue in impossible(problem)] == [
         "accept[0]: unknown series 'settlements'; did you mean settlement?"
     ]
+
+
+@pytest.mark.parametrize(("back", "first"), [(0.0, 199.5), (200.0, 201.0)])
+def test_pore_pressures_that_hold_the_back_pressure(back: float, first: float) -> None:
+    cam_clay = {"kappa": 0.02, "M": 1.2, "nu": 0.2, "e0": 0.9, "OCR": 1.0}
+    document = {
+        "forward_model": {
+            "kind": "triaxial",
+            "material": "modified_cam_clay",
+            "initial_stress": 100.0,
+            "back_pressure": back,
+            "drainage": "undrained",
+            "shearing": [{"kind": "monotonic", "axial_strain": 0.1}],
+        },
+        "parameters": {"lambda": {"lower": 0.05, "upper": 0.5}}
+        | {name: {"value": value} for name, value in cam_clay.items()},
+        "observations": [
+            {"series": "pore_pressure", "points": {"x": [0.0, 0.01, 0.05], "y": [first, first + 30, first + 60]}}
+        ],
+        "stopping": {"max_evaluations": 10},
+    }
+    doubts = [issue.message for issue in impossible(parse_problem(document))]
+    found = (
+        "the pore pressure begins at 199.5 kPa, but the back pressure of the test is 0 kPa; give back_pressure: 200, "
+        "or the excess pore pressure; accept: [pore_pressure] runs the problem as it is"
+    )
+    assert doubts == [found] * (back == 0.0)
