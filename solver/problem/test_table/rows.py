@@ -48,7 +48,7 @@ _BASES = {
     "rate": "1/day",
     "initial_void_ratio": "1",
 }
-"""Numbers of a row, in these units unless the heading of their column says another one."""
+"""Numbers of a row in these units; the heading of a table's column names its own."""
 _TEXT = ("name", "file", "sheet", "kind", "drainage", "material", "x", "x_unit")
 
 
@@ -153,10 +153,13 @@ def _value(row: Row, key: str, unit: str | None, cell: str | float) -> str | flo
     found = number_in(cell)
     if found is None or key in _TEXT or key.endswith("_unit"):
         return f"{cell:.15g}" if isinstance(cell, float) else cell
-    if key not in _BASES or unit is None:
+    base = _BASES.get(key)
+    if base is None or (unit is None and base == "1"):
         return found
+    if unit is None:
+        raise ProblemError([row.issue(key, f"has no unit; name it in the heading, such as {key} [{base}]")])
     try:
-        return float(convert(found, unit, _BASES[key]))
+        return float(convert(found, unit, base))
     except UnitError as error:
         raise ProblemError([row.issue(key, str(error))]) from None
 

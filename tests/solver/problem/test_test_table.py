@@ -16,7 +16,7 @@ _OEDOMETER = "sigma_v [MPa],e [-]\n0.01,1.0\n0.1,0.97\n0.4,0.94\n0.1,0.945\n"
 _DRAINED = "eps_1 [%],q [kPa],eps_v [%],remark\n1,80,0.4,\n5,200,-1.0,\n10,190,-3.0,end\n"
 _UNDRAINED = "eps_1 [%],eps_3 [%],q [kPa],u [kPa]\n1,-0.5,60,20\n4,-2,110,45\n"
 _TABLE = (
-    "test;file;type;cell pressure [MPa];e0;back pressure;q_error\n"
+    "test;file;type;cell pressure [MPa];e0;back pressure [kPa];q_error\n"
     "OE-1;oe.csv;Oedometer;;;;\n"
     "TMD;cd.csv;CD;0.1;0.75;;2\n"
     "TMU;cu.csv;triaxial undrained;0.2;0.85;300;\n"
@@ -137,7 +137,7 @@ _LINE = "tests: tests.csv line 2"
             f"{_LINE}, column 'type': must be 'oedometer', 'isotropic_compression' or 'triaxial', got text 'shear box'",
         ),
         ("a;no.csv;CD;0.1;0.7;;", f"{_LINE}, column 'file': no such file"),
-        ("a;cd.csv;CD;0.1;0.7;-3;", f"{_LINE}, column 'back pressure': must be at least 0, got -3"),
+        ("a;cd.csv;CD;0.1;0.7;-3;", f"{_LINE}, column 'back pressure [kPa]': must be at least 0, got -3"),
         ("a;oe.csv;oedometer;0.1;;;", f"{_LINE}, column 'cell pressure [MPa]': is for kind: triaxial"),
         ("a;oe.csv;CD;0.1;0.7;;", f"{_LINE}, x: no heading of the file means the axial strain (headings: sigma_v"),
         ("a;cd.csv;CD;0.1;0.7;;0", f"{_LINE}, column 'q_error': must be above 0, got 0"),
@@ -152,6 +152,14 @@ def test_a_bad_row_is_told_by_its_line_and_column(tmp_path: Path, row: str, mess
     table = f"{_TABLE.splitlines()[0]}\n{row}\n"
     found = _issues(_written(tmp_path, table=table))
     assert any(one.startswith(message) for one in found), found
+
+
+def test_a_column_of_stresses_names_its_unit(tmp_path: Path) -> None:
+    path = _written(tmp_path, table=_TABLE.replace("cell pressure [MPa]", "cell pressure"))
+    assert _issues(path)[0] == (
+        "tests: tests.csv line 3, column 'cell pressure': has no unit; name it in the heading, such as "
+        "cell_pressure [kPa]"
+    )
 
 
 def test_mistakes_of_a_list_have_their_place(tmp_path: Path) -> None:
