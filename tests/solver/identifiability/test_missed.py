@@ -32,7 +32,7 @@ def test_readings_that_no_soil_can_have_come_first() -> None:
     assert fit.kind == "lack_of_fit"
     assert fit.sentence.startswith(
         "The readings do not fit this specimen. settlement: the largest reading, 3.66 m, is more than the height of "
-        "the specimen, 0.02021 m; in mm it would be 0.18 of it: y_unit: mm."
+        "the specimen, 0.02021 m; in mm it would be 0.18 of it."
     )
     assert fit.remedies == (Remedy("check_readings"),)
     found = analyse(Calibration(problem, 1), samples)
