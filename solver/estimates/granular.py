@@ -33,28 +33,33 @@ _USUAL_ANGLE = 33.0
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """The value of a parameter, and what it was read from."""
+    """The value of a parameter, what it was read from, and the least value that the readings may have as well."""
 
     name: str
     value: float
     source: str
+    least: float | None = None
 
 
 def hardness_of(problem: Problem, known: Mapping[str, float]) -> tuple[Read, ...]:
     """h_s [kPa] and n from first loading of the specimen with the largest void ratio; nothing where it shows none.
 
-    The mean stress of an oedometer is that at rest, K0 = 1 - sin(phi_c), with ``phi_c`` [degree] among ``known``.
+    The mean stress of an oedometer is that at rest, K0 = 1 - sin(phi_c), with ``phi_c`` [degree] among ``known``. Both
+    values depend on each other, and a specimen denser than the loosest state overestimates h_s: its least value is that
+    of twice the exponent with the same compression at the largest stress, 3 p (h_s/(3 p))^(1/2).
     """
     read = _compressed(problem)
     if not read:
         return ()
     loose = max(read, key=_voids)
     try:
-        h_s, n, _ = bauer_fit(*_first_loading(loose, known.get("phi_c", _USUAL_ANGLE)))
+        p, e = _first_loading(loose, known.get("phi_c", _USUAL_ANGLE))
+        h_s, n, _ = bauer_fit(p, e)
     except NoEvaluationError:
         return ()
+    least = math.sqrt(3.0 * float(p.max()) * h_s)
     how = f"{_of(loose.part)}Bauer's law through first loading, e = {_voids(loose):.3g}; Herle & Gudehus (1999)"
-    return Read("h_s", h_s, how), Read("n", n, how)
+    return Read("h_s", h_s, how, min(least, h_s)), Read("n", n, how)
 
 
 def alphas_of(problem: Problem, known: Mapping[str, float]) -> Iterator[Read]:

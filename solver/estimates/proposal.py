@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
@@ -34,8 +35,6 @@ _FACTOR = 2.0
 """Bounds of indices, moduli and permeabilities: this factor beyond the smallest and the largest candidate."""
 _ANGLE = 5.0
 """Bounds of angles: so many degrees beyond them."""
-_DENSER = 0.2
-"""Least part that h_s has of its value by a specimen that is denser than the loosest state."""
 _VOIDS, _OF_VOIDS = ("e_d0", "e_c0", "e_i0"), 1.15
 """Bounds of limiting void ratios: this factor beyond the smallest and the largest candidate."""
 _PAST = ("OCR", "POP")
@@ -184,8 +183,8 @@ def _gather_sand(found: dict[str, list[Candidate]], problem: Problem, test: Test
     """Put what is read of hypoplastic sand under its names, each with what was read before: h_s and n, alpha, beta."""
     for evaluate in (hardness_of, alphas_of, beta_of):
         for one in evaluate(problem, _known(problem, test, found)):
-            lowest = one.value * (_DENSER if one.name == "h_s" else 1.0)
-            _gather(found, problem, test, [(one.name, Candidate(one.value, (lowest, one.value), one.source, True))])
+            ends = (one.value if one.least is None else one.least, one.value)
+            _gather(found, problem, test, [(one.name, Candidate(one.value, ends, one.source, True))])
 
 
 def _known(problem: Problem, test: TestOfLaw, found: Mapping[str, Sequence[Candidate]]) -> dict[str, float]:
@@ -231,7 +230,8 @@ def _section(info: ParameterInfo, candidates: Sequence[Candidate]) -> dict[str, 
     elif name == "OCR":
         low, high = 1.0, _FACTOR * highest
     else:
-        low, high = max(lowest, 0.1 * initial) / _FACTOR, highest * _FACTOR
+        least = min((one.ends[0] for one in candidates if one.reading), default=math.inf)
+        low, high = min(max(lowest, 0.1 * initial), least) / _FACTOR, highest * _FACTOR
     low, high = _admitted(info, _rounded(low), _rounded(high))
     initial = min(max(_rounded(initial, 3), low), high)
     section = {"lower": low, "upper": high}

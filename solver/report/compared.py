@@ -69,9 +69,9 @@ def compared_with(problem: Problem, name: str, given: Mapping[str, Any]) -> Comp
         issues.append(Issue("", f"the set must give every free parameter; {', '.join(missing)} is missing"))
     if issues:
         raise ProblemError(issues)
-    evaluation = Calibration(problem, problem.seed or 0).evaluate_values(values_from(problem, values))
+    whole = values_from(problem, values)
+    evaluation = Calibration(problem, problem.seed or 0).evaluate_values(whole)
     if evaluation.objective is None:
         raise ProblemError([Issue("", f"the calculation with this set failed: {evaluation.message}")])
-    whole = values_from(problem, values)
     fit = BestFit(-1, -1, evaluation.objective, whole, dict(evaluation.misfits), dict(evaluation.responses))
     return Compared(name, fit)

@@ -65,12 +65,16 @@ def sand(e_0: dict[str, float]) -> Problem:
 
 
 def test_the_loosest_specimen_counts_and_its_hardness_is_an_upper_end() -> None:
+    """The lower end belongs to twice the exponent: the same compression at the largest stress."""
     found = candidates_of(sand({"dense": 0.7, "loose": 0.95}))
     (h_s,), (n,) = found["h_s"], found["n"]
     assert h_s.value == pytest.approx(H_S, rel=1e-3)
     assert n.value == pytest.approx(N, rel=1e-3)
     assert h_s.source.startswith("loose: Bauer's law through first loading, e = 0.9")
-    assert h_s.ends == pytest.approx((0.2 * H_S, H_S), rel=1e-3)
+    least, most = h_s.ends
+    p = 800.0 * (1.0 + 2.0 * (1.0 - math.sin(math.radians(PHI_C)))) / 3.0
+    assert (3.0 * p / least) ** (2.0 * N) == pytest.approx((3.0 * p / H_S) ** N, rel=1e-3)
+    assert most == pytest.approx(H_S, rel=1e-3)
 
 
 KARLSRUHE = {"phi_c": 33.1, "h_s": 4.0e6, "n": 0.27, "e_d0": 0.677, "e_c0": 1.054, "e_i0": 1.212, "alpha": 0.14}
