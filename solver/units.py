@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray
 
-__all__ = ["UnitError", "base_unit", "convert", "same_unit"]
+__all__ = ["UnitError", "base_unit", "convert", "convert_difference", "same_unit", "shown_unit"]
+
+_PURE = ("", "1", "-", "dimensionless")
 
 _MAX_LENGTH = 50
 _TIMES = re.compile(r"(0\.\d{1,9}|10{1,6}|1(?=/))(?:/([1-9]\d{0,8}))? +([^\d\s*/].*)", re.ASCII)
@@ -89,6 +91,21 @@ def convert(values: npt.ArrayLike, unit: str, base: str) -> FloatArray:
 
 
 @lru_cache(maxsize=256)
+def convert_difference(difference: float, unit: str, base: str) -> float:
+    """Convert the difference of two values; offsets of a unit do not matter."""
+    zero, moved = convert([0.0, difference], unit, base)
+    return float(moved - zero)
+
+
+def shown_unit(unit: str) -> str:
+    """Return the unit as it follows a number: nothing for pure numbers.
+
+    >>> shown_unit("kPa"), shown_unit("dimensionless")
+    ('kPa', '')
+    """
+    return "" if unit in _PURE else unit
+
+
 def _ratio(unit: str, base: str) -> tuple[float, float]:
     """The factor as two numbers: two roundings keep 1440 min exactly one day, which one rounded factor would not."""
     (times, plain), (base_times, base_plain) = _split(_canonical(unit)), _split(_canonical(base))

@@ -9,7 +9,8 @@ from pydantic import ValidationError
 
 from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.estimates.index import index_estimates, name_among, with_index
-from geoswarm.solver.estimates.proposal import Candidate, candidates_of, of_correlation
+from geoswarm.solver.estimates.proposal import candidates_of, of_correlation
+from geoswarm.solver.estimates.value import Candidate
 from geoswarm.solver.problem import Draft
 
 __all__ = ["DraftEstimate", "estimates_of_draft"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
@@ -16,11 +15,12 @@ from geoswarm.solver.classical.straight import straight_line
 from geoswarm.solver.estimates.compression import CompressionReadings, compression_readings
 from geoswarm.solver.estimates.stage_ends import load_tests
 from geoswarm.solver.estimates.triaxial import sheared_specimen
+from geoswarm.solver.estimates.value import Candidate
 from geoswarm.solver.forward.combined import parts_of
 from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
 from geoswarm.solver.problem import Problem
 
-__all__ = ["Read", "alpha_at_peak", "alphas_of", "bauer_fit", "beta_of", "hardness_of", "stiffness_exponent"]
+__all__ = ["alpha_at_peak", "alphas_of", "bauer_fit", "beta_of", "hardness_of", "stiffness_exponent"]
 
 _FEWEST = 4
 """Readings of first loading through which a law of three constants is drawn."""
@@ -31,17 +31,7 @@ _USUAL_ANGLE = 33.0
 """Critical friction angle, degree, for the earth pressure at rest, where none is known."""
 
 
-@dataclass(frozen=True, slots=True)
-class Read:
-    """The value of a parameter, what it was read from, and the least value that the readings may have as well."""
-
-    name: str
-    value: float
-    source: str
-    least: float | None = None
-
-
-def hardness_of(problem: Problem, known: Mapping[str, float]) -> tuple[Read, ...]:
+def hardness_of(problem: Problem, known: Mapping[str, float]) -> tuple[tuple[str, Candidate], ...]:
     """h_s [kPa] and n from first loading of the specimen with the largest void ratio; nothing where it shows none.
 
     The mean stress of an oedometer is that at rest, K0 = 1 - sin(phi_c), with ``phi_c`` [degree] among ``known``. Both
@@ -57,12 +47,12 @@ def hardness_of(problem: Problem, known: Mapping[str, float]) -> tuple[Read, ...
         h_s, n, _ = bauer_fit(p, e)
     except NoEvaluationError:
         return ()
-    least = math.sqrt(3.0 * float(p.max()) * h_s)
+    least = min(math.sqrt(3.0 * float(p.max()) * h_s), h_s)
     how = f"{_of(loose.part)}Bauer's law through first loading, e = {_voids(loose):.3g}; Herle & Gudehus (1999)"
-    return Read("h_s", h_s, how, min(least, h_s)), Read("n", n, how)
+    return ("h_s", Candidate(h_s, (least, h_s), how, True)), ("n", Candidate.read(n, how))
 
 
-def alphas_of(problem: Problem, known: Mapping[str, float]) -> Iterator[Read]:
+def alphas_of(problem: Problem, known: Mapping[str, float]) -> Iterator[tuple[str, Candidate]]:
     """alpha from the peak of each dense specimen that was sheared drained, its volume read.
 
     ``known`` are the other parameters; nothing where phi_c, h_s, n, e_d0 or e_c0 is missing.
@@ -83,7 +73,7 @@ def alphas_of(problem: Problem, known: Mapping[str, float]) -> Iterator[Read]:
         density = _density(known, e, (major + 2.0 * minor) / 3.0)
         value = alpha_at_peak(major / minor, known["phi_c"], density) if 0.0 < density < _DENSE else 0.0
         if value > 0.0:
-            yield Read("alpha", value, f"{_of(one.part)}peak of q; Herle & Gudehus (1999)")
+            yield "alpha", Candidate.read(value, f"{_of(one.part)}peak of q; Herle & Gudehus (1999)")
 
 
 def alpha_at_peak(ratio: float, phi_c: float, density: float) -> float:
@@ -104,7 +94,7 @@ def alpha_at_peak(ratio: float, phi_c: float, density: float) -> float:
     return -math.log(float(np.linalg.norm(direction))) / math.log(density)
 
 
-def beta_of(problem: Problem, known: Mapping[str, float]) -> tuple[Read, ...]:
+def beta_of(problem: Problem, known: Mapping[str, float]) -> tuple[tuple[str, Candidate], ...]:
     """beta from the stiffness of the densest specimen in first loading of an oedometer; nothing without one.
 
     ``known`` are the other parameters; nothing where one of them is missing.
@@ -118,7 +108,7 @@ def beta_of(problem: Problem, known: Mapping[str, float]) -> tuple[Read, ...]:
     if not found > 0.0:
         return ()
     how = f"{_of(dense.part)}stiffness in first loading, e = {_voids(dense):.3g}; Herle & Gudehus (1999)"
-    return (Read("beta", found, how),)
+    return (("beta", Candidate.read(found, how)),)
 
 
 def stiffness_exponent(stress: FloatArray, e: FloatArray, known: Mapping[str, float]) -> float:

@@ -24,12 +24,12 @@ from geoswarm.solver.estimates.index import (
     with_index,
 )
 from geoswarm.solver.estimates.usual import is_wide, usual_section, wanted
-from geoswarm.solver.estimates.value import ClassicalValue
+from geoswarm.solver.estimates.value import Candidate, ClassicalValue
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.problem import FixedParameter, FreeParameter, LinkedParameter, Problem
 
-__all__ = ["Candidate", "Proposed", "candidates_of", "of_correlation", "proposed", "with_parameters"]
+__all__ = ["Proposed", "candidates_of", "of_correlation", "proposed", "with_parameters"]
 
 _FACTOR = 2.0
 """Bounds of indices, moduli and permeabilities: this factor beyond the smallest and the largest candidate."""
@@ -38,19 +38,6 @@ _ANGLE = 5.0
 _VOIDS, _OF_VOIDS = ("e_d0", "e_c0", "e_i0"), 1.15
 """Bounds of limiting void ratios: this factor beyond the smallest and the largest candidate."""
 _PAST = ("OCR", "POP")
-
-
-@dataclass(frozen=True, slots=True)
-class Candidate:
-    """A value that a parameter may have: ``source`` is a method or a correlation, ``reading`` whether it was read.
-
-    ``ends``: less and plus the published scatter; both the value where none is published.
-    """
-
-    value: float
-    ends: tuple[float, float]
-    source: str
-    reading: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +151,7 @@ def _read(
         method = f"{one.method}{'' if one.stage is None else f', stage {one.stage}'}"
         source = f"{one.part}: {method}" if one.part else method
         if one.symbol in ("k", "C_k") and one.symbol in test.parameters:
-            yield one.symbol, Candidate(one.value, (one.value, one.value), source, True)
+            yield one.symbol, Candidate.read(one.value, source)
         symbol, value = one.symbol, one.value
         if symbol.endswith("/(1 + e₀)"):
             symbol = symbol.removesuffix("/(1 + e₀)")
@@ -176,15 +163,13 @@ def _read(
             if term.quantity != symbol or (term.voids and "e_0" not in around) or (strains and not term.voids):
                 continue
             found = term.back(value, around)
-            yield term.parameter, Candidate(found, (found, found), source, True)
+            yield term.parameter, Candidate.read(found, source)
 
 
 def _gather_sand(found: dict[str, list[Candidate]], problem: Problem, test: TestOfLaw) -> None:
     """Put what is read of hypoplastic sand under its names, each with what was read before: h_s and n, alpha, beta."""
     for evaluate in (hardness_of, alphas_of, beta_of):
-        for one in evaluate(problem, _known(problem, test, found)):
-            ends = (one.value if one.least is None else one.least, one.value)
-            _gather(found, problem, test, [(one.name, Candidate(one.value, ends, one.source, True))])
+        _gather(found, problem, test, evaluate(problem, _known(problem, test, found)))
 
 
 def _known(problem: Problem, test: TestOfLaw, found: Mapping[str, Sequence[Candidate]]) -> dict[str, float]:
@@ -212,7 +197,7 @@ def _past(test: TestOfLaw, read: Sequence[ClassicalValue]) -> Iterator[tuple[str
             continue
         for name, value in (("OCR", one.value / initial), ("POP", one.value - initial)):
             if name in test.parameters:
-                yield name, Candidate(value, (value, value), f"σ′p, {one.method}", True)
+                yield name, Candidate.read(value, f"σ′p, {one.method}")
 
 
 def _section(info: ParameterInfo, candidates: Sequence[Candidate]) -> dict[str, Any]:

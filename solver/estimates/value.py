@@ -1,10 +1,10 @@
-"""One value that a ruler on the diagram gives."""
+"""One value that a ruler on the diagram gives, and one that a parameter may have by it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["ClassicalValue"]
+__all__ = ["Candidate", "ClassicalValue"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,3 +37,21 @@ class ClassicalValue:
     unit: str = ""
     stage: int | None = None
     first_loading: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A value that a parameter may have: ``source`` is a method or a correlation, ``reading`` whether it was read.
+
+    ``ends``: less and plus the published scatter; both the value where none is published.
+    """
+
+    value: float
+    ends: tuple[float, float]
+    source: str
+    reading: bool
+
+    @classmethod
+    def read(cls, value: float, source: str) -> Candidate:
+        """One of the readings, without scatter."""
+        return cls(value, (value, value), source, True)

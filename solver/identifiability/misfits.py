@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.units import convert
+from geoswarm.solver.units import convert, convert_difference, shown_unit
 from geoswarm.solver.words import listed, number, share
 
 __all__ = [
@@ -15,13 +15,11 @@ __all__ = [
     "SHORT",
     "Closeness",
     "Misfit",
-    "difference_in",
     "headline_of",
     "sentence_of",
     "unit_of",
 ]
 
-_NO_UNITS = ("", "1", "-", "dimensionless")
 _MOST_NAMED = 3
 
 DOES_NOT_HOLD = {
@@ -87,11 +85,11 @@ class Misfit:
         unit, x_unit = unit_of(problem, self.series), observation.x_unit or info.x_unit
         return replace(
             self,
-            deviation=difference_in(info.y_unit, unit, self.deviation),
-            largest=difference_in(info.y_unit, unit, self.largest),
+            deviation=convert_difference(self.deviation, info.y_unit, unit),
+            largest=convert_difference(self.largest, info.y_unit, unit),
             x=float(convert([self.x], info.x_unit, x_unit)[0]),
             unit=unit,
-            x_unit="" if x_unit in _NO_UNITS else x_unit,
+            x_unit=shown_unit(x_unit),
         )
 
     @property
@@ -131,14 +129,7 @@ def unit_of(problem: Problem, series: str) -> str:
     """Unit in which the values of a series were given; empty for pure numbers."""
     observation = next(o for o in problem.observations if o.series == series)
     info = next(i for i in problem.model.series if i.name == series)
-    unit = observation.y_unit or info.y_unit
-    return "" if unit in _NO_UNITS else unit
-
-
-def difference_in(unit: str, shown: str, difference: float) -> float:
-    """Convert the difference of two values from one unit to another; offsets of a unit do not matter."""
-    zero, moved = convert([0.0, difference], unit, shown)
-    return float(moved - zero)
+    return shown_unit(observation.y_unit or info.y_unit)
 
 
 def headline_of(kind: str, misfits: Sequence[Misfit]) -> str:

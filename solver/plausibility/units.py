@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from geoswarm.solver.units import convert, same_unit
+from geoswarm.solver.units import convert, same_unit, shown_unit
 
 __all__ = ["meant_unit", "with_unit"]
 
@@ -41,4 +41,4 @@ def meant_unit(
 
 def with_unit(value: float, unit: str) -> str:
     """A value as a sentence shows it."""
-    return f"{value:.6g}{'' if unit in ('', '1', 'dimensionless') else f' {unit}'}"
+    return f"{value:.6g} {shown_unit(unit)}".rstrip()

@@ -21,7 +21,7 @@ from geoswarm.solver.problem.stages import same_x_remedy, stage_times
 from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
 from geoswarm.solver.problem.tables.picking import is_cells
 from geoswarm.solver.sentences import Sentence, setting
-from geoswarm.solver.units import UnitError, convert, same_unit
+from geoswarm.solver.units import UnitError, convert, same_unit, shown_unit
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["Observation", "build_observations", "preparation_issues", "unit_of_data"]
@@ -404,7 +404,7 @@ def _limits(info: SeriesInfo) -> str:
 
 
 def _suffix(unit: str) -> str:
-    return "" if unit in ("", "1", "-", "dimensionless") else f" {unit}"
+    return f" {shown_unit(unit)}".rstrip()
 
 
 def preparation_issues(model: ForwardModel, observations: tuple[Observation, ...]) -> list[Issue]:

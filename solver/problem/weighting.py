@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 import numpy as np
 
 from geoswarm.solver.problem.stages import section_of_test
-from geoswarm.solver.units import convert
+from geoswarm.solver.units import convert_difference
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.base import ForwardModelSpec
@@ -117,7 +117,7 @@ def series_shares(problem: Problem, misfits: Mapping[str, float]) -> tuple[Serie
         misfit, unit = float(misfits[o.series]), o.y_unit or base[o.series]
         heaviest = float(o.point_weights.max())
         mean = heaviest * float((o.point_weights / heaviest).mean())  # of weights whose sum may overflow
-        deviation = float(convert(math.sqrt(misfit / mean), base[o.series], unit))
+        deviation = convert_difference(math.sqrt(misfit / mean), base[o.series], unit)
         share = o.weight * misfit / objective if objective > 0.0 else 0.0
         test = test_of(problem.forward_model, o.series)
         shares.append(SeriesShare(o.series, test, o.weight, misfit, share, deviation, unit))

@@ -70,7 +70,9 @@ def report_command(
         raise BadInputError(f"--output {target}: {error.strerror}") from error
     view = {"threshold": threshold, "noise": known_noise(noise), "posterior": posterior}
     if folder is None and compare is not None:
-        raise BadInputError("--compare is for the folder of a run; 'geoswarm export' and a run there, or leave it out")
+        raise BadInputError(
+            "--compare needs the folder of 'geoswarm run --output', as the model runs with the other set, too"
+        )
     if folder is not None:
         written = _of_folder(folder, target, view | {"compare": compare}, html, pdf, figures)
     else:

@@ -12,9 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from geoswarm.solver.identifiability.misfits import Closeness, difference_in, unit_of
+from geoswarm.solver.identifiability.misfits import Closeness, unit_of
 from geoswarm.solver.identifiability.residuals.readings import MeasuredResiduals
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.units import convert_difference
 
 __all__ = ["closeness_of"]
 
@@ -37,7 +38,7 @@ def closeness_of(
         info = next(one for one in problem.model.series if one.name == name)
         own = groups.setdefault(info.y_quantity, [])
         unit = own[0].unit if own else unit_of(problem, name)
-        deviation, largest = (abs(difference_in(info.y_unit, unit, size)) for size in residuals.size(None)[:2])
+        deviation, largest = (abs(convert_difference(size, info.y_unit, unit)) for size in residuals.size(None)[:2])
         own.append(Closeness(info.y_quantity, 1, largest, deviation, _peak(info.y_quantity, residuals), unit))
     return tuple(_together(own) for own in groups.values())
 

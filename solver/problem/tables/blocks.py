@@ -161,10 +161,12 @@ def begin(rows: Rows, wanted: Iterable[str] = ()) -> Block | None:
     names = {key(name) for name in wanted}
     longest: Block | None = None
     readings = [_readings(row) for _, row in rows[:SAMPLE]]
+    if not any(len(found) > 1 for found in readings):
+        return None
     for place, (_, row) in enumerate(rows[:_DEEPEST]):
-        if not any(cell != "" for cell in row) or _is_units(row):
-            continue
         if readings[place] and not _names_all(row, readings[place], names):
+            continue
+        if not any(cell != "" for cell in row) or _is_units(row):
             continue
         block = _block(rows, readings, place, names)
         if block is None:

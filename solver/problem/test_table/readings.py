@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import validated
@@ -203,11 +201,8 @@ def loads_of(row: Row, curve: Curve) -> tuple[list[float], float, float | None, 
     first = 0 if section.initial_stress is not None else 1
     if len(curve.x) <= first:
         raise ProblemError([row.issue("file", f"has {len(curve.x)} readings; at least {first + 1} are needed")])
-    low = int(np.argmin(curve.x))
-    if curve.x[low] <= 0.0:
-        remedy = "" if first == 0 or low > 0 else "; leave the reading out and give initial_stress instead"
-        message = f"reading {low + 1} has the stress {curve.x[low]:g} kPa; stresses are above 0{remedy}"
-        raise ProblemError([row.issue("file", message)])
+    if (low := float(curve.x.min())) <= 0.0:
+        raise ProblemError([row.issue("file", f"holds the stress {low:g} kPa; stresses are above 0")])
     stress = float(curve.x[0]) if section.initial_stress is None else section.initial_stress
     voids = section.initial_void_ratio
     if voids is None and first == 1 and curve.name == "void_ratio":

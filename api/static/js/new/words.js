@@ -7,7 +7,6 @@ function named({ path, value }) {
   if (/^observations\[\d+\]$/.test(path)) return value;
   const input = document.querySelector(`[data-path="${CSS.escape(path)}"]`);
   const key = path.replace(/\[\d*(, \d+)*\]/g, "").split(".");
-  
   return `“${input?.labels?.[0]?.textContent.trim() ?? labelOf(key.at(-1))}”${value && value !== "true" ? ` ${value.replaceAll("_", " ")}` : ""}`;
 }
 
