@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
+from geoswarm.api.errors import KeyWords
 from geoswarm.api.schemas.jobs import Model, Number, Parameter, Series
 
 __all__ = [
@@ -16,21 +17,12 @@ __all__ = [
     "Example",
     "ExampleList",
     "ExampleSummary",
-    "KeyWords",
     "MeasuredPoints",
     "MeasuredStages",
     "MeasurementColumn",
     "MeasurementFile",
     "ProblemDraft",
 ]
-
-
-class KeyWords(Model):
-    """A key of the problem in a sentence, for which a form has words of its own."""
-
-    path: str = Field(description="where it stands, for example observations[0].y_unit")
-    text: str = Field(description="as a problem file says it: `y_unit: mm`")
-    value: str = Field(description="what it is to be given; empty where it is only named")
 
 
 class DraftIssue(Model):

@@ -113,6 +113,11 @@ def test_a_file_that_cannot_be_read_is_explained(app: App) -> None:
     assert answer.json()["type"].endswith("unreadable-file")
     assert "photo.png is neither text (CSV) nor a workbook (XLSX, ODS)" in answer.json()["detail"]
     assert app.post(f"{API}/measurements", content=b"x" * (32 * 2**20 + 1)).status_code == 413
+    query = {"observation": '{"series": "q"}'}
+    (issue,) = app.post(f"{API}/measurements/points", params=query, content=b"x,y\n1,n/a\n").json()["issues"]
+    key = {"path": "incomplete_rows", "text": "incomplete_rows: leave_out", "value": "leave_out"}
+    assert issue["parts"][2:] == [key, " passes over such rows"]
+    assert issue["message"].endswith("; incomplete_rows: leave_out passes over such rows")
 
 
 def test_every_example_is_sound_and_carries_its_data(app: App) -> None:

@@ -114,7 +114,7 @@ def _of_table(table: str, sheet: str | None, folder: Path | None) -> list[Row]:
     try:
         grid = read_cells(file_content(folder / table), table, sheet).grid
     except TableError as error:
-        raise ProblemError([Issue("tests", message) for message in error.messages]) from None
+        raise ProblemError(error.issues("tests")) from None
     named = {line: [_key_of(heading) for heading in cells] for line, cells in grid.items()}
     first = next((line for line, found in named.items() if "file" in dict(found)), None)
     if first is None:

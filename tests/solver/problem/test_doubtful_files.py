@@ -9,11 +9,12 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import TableError, measured_points, read_measurements
-from geoswarm.solver.problem.observations import unit_of_data
+from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import Columns, table_of
 from geoswarm.solver.problem.tables.headings import heading_of
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, number_of
 from geoswarm.solver.problem.tables.quantities import quantities_of
+from geoswarm.solver.sentences import plain
 from geoswarm.solver.units import convert
 from tests.solver.problem.test_columns import mistakes, observed
 from tests.solver.problem.test_laboratory_files import DAY, ods_cell, open_document, sheet_rows
@@ -286,8 +287,8 @@ def test_a_factor_or_quotient_before_a_unit_is_asked_for(heading: str, told: str
     unit, wrong = unit_of_data("y", None, "kPa", named, unitless=False)
     assert unit is None
     assert wrong is not None
-    assert f"'{told[:1]}" in wrong
-    assert "y_unit says" in wrong
+    assert f"'{told[:1]}" in plain(wrong)
+    assert "y_unit says" in plain(wrong)
     assert unit_of_data("y", "kPa", "kPa", named, unitless=False) == ("kPa", None)
 
 

@@ -5,8 +5,9 @@ import { request } from "../../http.js";
 import { pointsPlot } from "../points_plot.js";
 import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
+import { messageOf } from "../words.js";
 import { CELLS, beginning, conflicts, doubts, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
-import { choice, firstRows, flag, words } from "./inputs.js";
+import { LEAVE_OUT, choice, firstRows, flag, labelHere, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
 import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
 import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
@@ -56,7 +57,7 @@ export function mapping(file, content, context, act) {
       ["x", "y"].filter((axis) => state[axis] === CELLS && !byLoad(info(), axis)).forEach(found);
     } catch (error) {
       if (error.name === "AbortError") return;
-      refused = error.issues?.length ? error.issues.map(({ message }) => message) : [error.message];
+      refused = error.issues?.length ? error.issues : [error];
     }
     show();
   }
@@ -77,11 +78,11 @@ export function mapping(file, content, context, act) {
   /** What is open, wrong or done, and what the button would do. */
   function show() {
     const questions = [...open(file, state, info()), ...unitQuestions(file, state, info())], units = Object.values(conflicts(file, state, info())).filter(Boolean);
-    const incomplete = state.incomplete || refused.some((text) => /finite number|is empty|is no date|no time of day/.test(text));
+    const incomplete = state.incomplete || refused.some(({ parts }) => parts?.some(({ path }) => path === "incomplete_rows"));
     exchange(wrong,
       questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
-      [...units, ...refused].map((text) => element("p", { class: "error", role: "alert" }, text)),
-      incomplete ? flag("map-incomplete", "Leave out rows without a number in every column", state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
+      [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) => element("p", { class: "error", role: "alert" }, text)),
+      incomplete ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
     exchange(order, unsorted() && info()?.x_increasing
       ? [element("p", { class: "help stale" }, `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`),
         flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => { state.sort = on; })]
