@@ -249,6 +249,8 @@ def test_what_is_wrong_is_told_with_its_field(given: str, path: str, message: st
         ("Radialdehnung", "radial_strain"),
         ("radial displacement", "radial_displacement"),
         ("Seitendruck", "lateral_stress"),
+        ("Radialspg.", "lateral_stress"),
+        ("Axialspg.", "axial_stress"),
         ("Verformung", "settlement"),
         ("Bemerkung", "remark"),
     ],
@@ -259,7 +261,7 @@ def test_words_of_laboratories_are_understood(heading: str, meant: str) -> None:
     assert quantities_of(heading.upper()) == found
 
 
-@pytest.mark.parametrize("heading", ["column 1", "x", "y", "temperature", "Wassergehalt", "Kanal 3", ""])
+@pytest.mark.parametrize("heading", ["column 1", "x", "y", "temperature", "Wassergehalt", "Kanal 3", "Radialvol.", ""])
 def test_what_is_not_known_is_not_guessed(heading: str) -> None:
     assert quantities_of(heading) == ()
 
