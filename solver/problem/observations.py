@@ -185,11 +185,12 @@ def _build(
     issues: list[Issue] = []
     converted = []
     units: dict[str, str | None] = {}
-    for axis, values, given, base, heading in (
-        ("x", points.x, None if points.by_load else section.x_unit, info.x_unit, points.x_heading),
-        ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
+    for axis, values, given, quantity, base, heading in (
+        ("x", points.x, None if points.by_load else section.x_unit, info.x_quantity, info.x_unit, points.x_heading),
+        ("y", points.y, section.y_unit, info.y_quantity, info.y_unit, points.y_heading),
     ):
-        unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x")
+        needed = "strain" in quantity  # in per cent as often as not
+        unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x", needed=needed)
         units[axis] = unit
         if wrong is not None:
             issues.append(Issue.about(f"{path}.{axis}_{'unit' if given else 'column'}", wrong, f"{path}."))

@@ -17,15 +17,18 @@ _USUAL = {"m": "mm, cm or m", "day": "s, min, h or day", "kPa": "kPa, MPa or kg/
 
 
 def unit_of_data(
-    axis: str, given: str | None, base: str, heading: Heading | None, *, unitless: bool
+    axis: str, given: str | None, base: str, heading: Heading | None, *, unitless: bool, needed: bool = False
 ) -> tuple[str | None, Sentence | None]:
     """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong.
 
-    ``unitless``: a formula or a program, whose series without a unit take the numbers as they are.
+    ``unitless``: a formula or a program, whose series without a unit take the numbers as they are. ``needed``: pure
+    numbers need a unit, too, as strains do.
     """
-    key, usual = setting(f"{axis}_unit"), setting(f"{axis}_unit", _USUAL.get(base, base))
+    pure = same_unit(base, "1") and not needed
+    key = setting(f"{axis}_unit")
+    usual = setting(f"{axis}_unit", _USUAL.get(base, base or "'%' or dimensionless"))
     if given == UNSTATED:
-        return None, None if same_unit(base, "1") else ("the file names no known unit; give ", usual)
+        return None, None if pure else ("the file names no known unit; give ", usual)
     if heading is None:
         return given, None
     column = f"column '{heading.name}'"
@@ -41,20 +44,20 @@ def unit_of_data(
         return (best.unit, None) if unclear is None else (None, (f"{column} {unclear}; ", key, " says which holds"))
     if unitless and same_unit(base, "1"):
         return None, None
-    needed = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"
+    other = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"
     if heading.certain and heading.unit is not None:
         if divided := _divided(axis, heading.unit, base):
             return None, (f"{column} is in {heading.unit}, ", *divided)
         if same_unit(base, "1"):
             return None, (f"{column} is in {heading.unit}, but the series has no unit; name another column",)
-        return None, (f"{column} is in {heading.unit}, {needed}, or give ", key)
+        return None, (f"{column} is in {heading.unit}, {other}, or give ", key)
     if unclear is not None:
         return None, (f"{column} {unclear}; ", key, " says what the numbers are in")
-    if same_unit(base, "1"):
+    if pure:
         return None, None
     shown = ", ".join(number(value) for value in heading.first)
     if heading.unit is not None:
-        return None, (f"{column} ({shown}, ...) may be in {heading.unit}, {needed} column, or give ", usual)
+        return None, (f"{column} ({shown}, ...) may be in {heading.unit}, {other} column, or give ", usual)
     brackets = "" if is_cells(heading.name) else ", or write it in brackets behind the name in the file"
     return None, (f"{column} ({shown}, ...) has no unit; give ", usual, *([brackets] if brackets else []))
 
@@ -67,7 +70,7 @@ def _divided(axis: str, unit: str, base: str) -> Sentence:
         what, factor, size = "a length, but the series has no unit; name another", f"{metres:g} / H", "height H in m"
     else:
         return ()
-    keys = setting(f"{axis}_unit", base), " and ", setting(f"{axis}_factor", factor)
+    keys = setting(f"{axis}_unit", base or "dimensionless"), " and ", setting(f"{axis}_factor", factor)
     column = "column of stresses" if base == "kPa" else "column"
     return (f"{what} {column}, or give ", *keys, f" with the {size} of the specimen")
 
