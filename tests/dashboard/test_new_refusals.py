@@ -1,4 +1,4 @@
-"""What the service refuses about a file is told in the words of the import: labels of its fields, not keys."""
+"""What of a file cannot be taken, and why: in the words of the import, labels of its fields, not keys."""
 
 from __future__ import annotations
 
@@ -7,12 +7,26 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import expect
 
+from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
-from tests.dashboard.test_new_import import drop
+from tests.dashboard.test_new_import import OWN, drop
 
 Visit = Callable[..., Opened]
 
 TEMPERATURES = "Zeit [min];Setzung [mm];Grad\n1;0,25;20\n2;defekt;21\n4;0,75;22\n"
+
+
+def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(page, OWN)
+    mapping.get_by_label("Series").select_option(label="axial_strain")
+    mapping.get_by_label("Column of y", exact=True).select_option(label="Setzung [mm]")
+    expect(mapping.get_by_role("alert")).to_contain_text("is in mm, but axial strain of axial_strain has no unit but %")
+    expect(page.locator("#take")).to_be_disabled()
+    check_accessibility(page, ".mapping")
+    mapping = drop(page, "t [min];eps\n1;0.05\n2;0.1\n")
+    mapping.get_by_label("Series").select_option(label="axial_strain")
+    expect(mapping.locator(".todo")).to_have_text("“eps” has no unit: give the unit of y.")
 
 
 @pytest.mark.slow
