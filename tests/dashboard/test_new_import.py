@@ -373,7 +373,7 @@ def test_what_is_replaced_can_be_brought_back(embedded: Site, visit: Visit) -> N
     stage = page.locator('[data-path="forward_model.stages[15].stress"]')
     expect(stage).to_have_value("800")
     page.locator("input[name=kind][value=formula]").check()
-    expect(page.locator(".undo")).to_contain_text("formula in place of oedometer: ")
+    expect(page.locator(".undo")).to_contain_text("formula instead of oedometer: ")
     expect(page.locator(".undo")).to_contain_text("stages")
     expect(stage).to_have_count(0)
     page.get_by_role("button", name="Undo", exact=True).click()
