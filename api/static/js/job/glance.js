@@ -11,7 +11,7 @@ import { unitChoices } from "./readings.js";
 
 const MOST = 300, HEIGHT = 430, LEAST = 105, CAPTION = 36, LETTER = 6.2, RIGHT = 8, TOP = 6, BOTTOM = 34; // px
 
-const testOf = (series) => series.slice(0, Math.max(series.indexOf("."), 0));
+const partOf = (series) => series.slice(0, Math.max(series.indexOf("."), 0));
 
 /** "cell 50: volumetric strain": the test, where there are several, and what was measured. */
 const headed = (series) => plain(series.replace(".", ": "));
@@ -31,7 +31,7 @@ function ofSeries(fit, one) {
   const x = stages.long ? stages.place : one.x;
   const line = (y) => y && (stages.long ? broken(x, stages.stage, y) : { x, y });
   return {
-    test: testOf(one.series), title: headed(one.series), x, y: one.measured, line: line(values("best")), first: line(values("initial")),
+    test: partOf(one.series), title: headed(one.series), x, y: one.measured, line: line(values("best")), first: line(values("initial")),
     note: share ? [element("abbr", { title: "root mean square" }, "RMS"), ` ${amount(share.root_mean_square, share.unit)}`] : null,
     gross: stages.long ? null : { x: one.gross_x, y: one.gross_measured },
     down: "autorange" in direction(one.series, one.y_quantity), log: false,
