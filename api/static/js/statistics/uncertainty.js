@@ -7,13 +7,13 @@ import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
 import { ENDED, OPEN } from "../states.js";
 
-const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened for correlated residuals", uneven: " (widened for uneven residuals", possible: " (widened for a correlation that so few readings cannot exclude", stated: " (widened for correlated noise, as stated", tests: " (widened for tests that differ", moved: " (by likelihood from one run at each end)", profile: " (by likelihood)" };
+const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened{by} for correlated residuals)", uneven: " (widened{by} for uneven residuals)", possible: " (widened{by} for a correlation that so few readings cannot exclude)", stated: " (widened{by} for correlated noise, as stated)", tests: " (widened{by} for tests that differ)", moved: " (by likelihood from one run at each end)", profile: " (by likelihood)" };
 
 /** What an interval rests on; a factor that rounds to 1 is not said. */
 function basisOf({ bent, interval_basis: basis, widening }) {
   const words = BASES[bent ? "bent" : basis] ?? "";
-  if (!words || words.endsWith(")")) return words;
-  return widening && widening < 1.05 ? "" : `${words}${widening ? ` by a factor of ${number(widening, 2)}` : ""})`;
+  if (words.includes("{by}") && widening && widening < 1.05) return "";
+  return words.replace("{by}", widening ? ` by a factor of ${number(widening, 2)}` : "");
 }
 
 const AGAIN_SECONDS = 2;
