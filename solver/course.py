@@ -15,6 +15,7 @@ from geoswarm.solver.methods.base import Task
 from geoswarm.solver.methods.widths import REMEMBERED, Situation
 from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import SHARE_OF_SEARCH
+from geoswarm.solver.problem.weighting import series_by_test
 from geoswarm.solver.progress.state import Best, Progress, Step
 from geoswarm.solver.progress.stopping import (
     ALL_FAILED,
@@ -49,7 +50,15 @@ class Course:
         initial = np.array([np.nan if p.initial is None else p.initial for p in problem.free])
         quick = problem.forward_model.quick
         self._maker = problem.method.maker(
-            Task(calibration.space, calibration.seed, initial, problem.planned_evaluations, calibration.offered, quick)
+            Task(
+                calibration.space,
+                calibration.seed,
+                initial,
+                problem.planned_evaluations,
+                calibration.offered,
+                quick,
+                series_by_test(problem),
+            )
         )
 
     def start(self, slots: int = 1) -> Progress:

@@ -1,8 +1,8 @@
 """What the evaluations of follow-ups say.
 
-A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``explore``, ``sobol`` or
-``morris``; or, with ``predict``, another problem with the parameters of the job. Any engine runs it, and its stored
-evaluations alone give the findings: the plan follows from the problem again.
+A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``jackknife``, ``explore``,
+``sobol`` or ``morris``; or, with ``predict``, another problem with the parameters of the job. Any engine runs it, and
+its stored evaluations alone give the findings: the plan follows from the problem again.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.optimum.bending import measure_bending, with_profiles
 from geoswarm.solver.identifiability.optimum.differences import differentiate, residual_rows
+from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import Profile, profiles_of
+from geoswarm.solver.identifiability.optimum.refitted import notes_on, refitted, with_refits
 from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations, linearise
 from geoswarm.solver.identifiability.prediction.bands import Prediction, prediction_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
@@ -34,10 +36,12 @@ from geoswarm.solver.methods.design import DesignMethod
 from geoswarm.solver.methods.explore import ExploreMethod
 from geoswarm.solver.methods.given_points import GivenPointsMethod
 from geoswarm.solver.methods.global_designs import GlobalMethod
+from geoswarm.solver.methods.jackknife import JackknifeMethod
 from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem.weighting import series_by_test
 from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import MinimumSearch
@@ -83,6 +87,8 @@ class Findings:
         Bands of other problems.
     designs
         Candidate tests in order of their worth.
+    jackknife
+        The optimum without each test, by further runs.
     """
 
     linearisation: Linearisation | None = None
@@ -97,6 +103,7 @@ class Findings:
     left: tuple[tuple[FloatArray, float], ...] = ()
     predictions: tuple[Prediction, ...] = ()
     designs: tuple[Design, ...] = ()
+    jackknife: WithoutTests | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -110,6 +117,7 @@ class Findings:
             "explored": len(self.explored) + len(self.left),
             "predictions": [prediction.to_json() for prediction in self.predictions],
             "designs": [design.to_json() for design in self.designs],
+            "jackknife": None if self.jackknife is None else self.jackknife.to_json(),
             "notes": list(self.notes),
         }
 
@@ -275,12 +283,27 @@ def _profiles(
     _replay(search, calibration, evaluations)
     notes = []
     if search.failed:
-        notes.append(f"the evaluation of the optimum failed ({evaluations[0].reason}): {evaluations[0].message}")
+        notes.append(_optimum_failed(evaluations[0]))
     elif not search.finished:
         notes.append("the profiles are not complete yet")
     samples = Samples.from_evaluations(calibration.problem, evaluations)
     fit = None if search.objective is None else fit_of_samples(calibration, samples, noise=noise)
     return Findings(objective=search.objective, profiles=profiles_of(search), notes=tuple(notes), fit=fit)
+
+
+@examine.register
+def _jackknife(
+    method: JackknifeMethod,
+    calibration: Calibration,
+    evaluations: Sequence[Evaluation],
+    noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
+    level: float,
+) -> Findings:
+    search = method.search(calibration.space, series_by_test(calibration.problem))
+    _replay(search, calibration, evaluations)
+    if search.failed:
+        return Findings(notes=(_optimum_failed(evaluations[0]),))
+    return Findings(jackknife=refitted(search, calibration.space, level), notes=notes_on(search, calibration.space))
 
 
 @examine.register
@@ -336,6 +359,10 @@ def _indices(
     return Findings(global_sensitivities=tuple(found), notes=tuple(dict.fromkeys(notes)))
 
 
+def _optimum_failed(evaluation: Evaluation) -> str:
+    return f"the evaluation of the optimum failed ({evaluation.reason}): {evaluation.message}"
+
+
 def _runs(calibration: Calibration, evaluations: Sequence[Evaluation]) -> tuple[FloatArray, FloatArray]:
     """Positions, natural values, and weighted residuals of evaluations."""
     return np.array([one.parameters for one in evaluations]), residual_rows(calibration, evaluations)
@@ -373,11 +400,13 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         for prediction in part.predictions:
             predictions.setdefault(prediction.name, prediction)
     designs = next((part.designs for part in parts if part.designs), ())
+    jackknife = next((part.jackknife for part in parts if part.jackknife is not None), None)
     notes = dict.fromkeys(note for part in parts for note in part.notes)
     linearisation = with_optimum.linearisation
     if linearisation is not None:
         wanted = [profile for name, profile in profiles.items() if linearisation.nonlinear(name)]
         linearisation = with_profiles(linearisation, wanted)
+        linearisation = linearisation if jackknife is None else with_refits(linearisation, jackknife)
     return Findings(
         linearisation,
         with_optimum.objective,
@@ -391,4 +420,5 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         tuple(run for part in parts for run in part.left),
         tuple(predictions.values()),
         designs,
+        jackknife,
     )
