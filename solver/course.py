@@ -15,7 +15,6 @@ from geoswarm.solver.methods.base import Task
 from geoswarm.solver.methods.widths import REMEMBERED, Situation
 from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import SHARE_OF_SEARCH
-from geoswarm.solver.problem.weighting import series_by_test
 from geoswarm.solver.progress.state import Best, Progress, Step
 from geoswarm.solver.progress.stopping import (
     ALL_FAILED,
@@ -57,7 +56,7 @@ class Course:
                 problem.planned_evaluations,
                 calibration.offered,
                 quick,
-                series_by_test(problem),
+                problem.series_by_test,
             )
         )
 

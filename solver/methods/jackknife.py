@@ -30,9 +30,7 @@ def most_runs(free: int, tests: int) -> int:
 
 def lacks_tests(problem: Problem) -> str | None:
     """Why no test of a problem can be left out; None where one can."""
-    from geoswarm.solver.problem.weighting import series_by_test
-
-    names = dict.fromkeys(name for name, _ in series_by_test(problem) if name)
+    names = dict.fromkeys(name for name, _ in problem.series_by_test if name)
     if len(names) >= FEWEST_TESTS:
         return None
     return (

@@ -82,14 +82,6 @@ def test_of(spec: ForwardModelSpec, series: str) -> str:
     return section_of_test(spec, series)[0].partition(".parts.")[2]
 
 
-def series_by_test(problem: Problem) -> tuple[tuple[str, int], ...]:
-    """Name of the test and number of points of each series; the name is empty where none of its points counts."""
-    return tuple(
-        (test_of(problem.forward_model, o.series) if o.weight > 0 and (o.point_weights > 0).any() else "", o.y.size)
-        for o in problem.observations
-    )
-
-
 @dataclass(frozen=True, slots=True)
 class SeriesShare:
     """Part of one series in the objective.

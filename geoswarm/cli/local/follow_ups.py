@@ -335,22 +335,31 @@ class _LocalRun:
         return self._run(profile_problem(self.problem, found, seed=self.seed, parameters=parameters), noise)
 
     def jackknife(self, runs: int | None) -> Findings:
-        from geoswarm.solver.identifiability.stored.follow_ups import check_tests, jackknife_problem
+        from geoswarm.solver.identifiability.errors import NotExaminedError
+        from geoswarm.solver.identifiability.stored.follow_ups import jackknife_problem
 
-        check_tests(self.problem)
-        problem = jackknife_problem(self.problem, self._linearisation(None, None), seed=self.seed, runs=runs)
-        assert problem.planned_evaluations is not None  # it is a bounded follow-up
-        _say_runs(problem.planned_evaluations)
+        try:
+            problem = jackknife_problem(self.problem, self._known(None), seed=self.seed, runs=runs)
+        except NotExaminedError:
+            note("The sensitivities at the optimum come first.")
+            found = self._sensitivities(None, None, True, None).linearisation
+            problem = jackknife_problem(self.problem, found, seed=self.seed, runs=runs)
+        _say_runs(problem.method.model_dump()["runs"])
         return self._run(problem, None)
+
+    def _known(self, noise: Noise) -> Linearisation | None:
+        """At the optimum of a folder; None where sensitivities are missing."""
+        from geoswarm.solver.report.folder.reading import all_findings, run_of_folder
+
+        if self.folder is None:
+            return None
+        return all_findings(self.folder, run_of_folder(self.folder), noise=noise).linearisation
 
     def _linearisation(self, at: dict[str, float] | None, noise: Noise) -> Linearisation:
         """At the optimum; sensitivities are evaluated where they are missing."""
-        if self.folder is not None and at is None:
-            from geoswarm.solver.report.folder.reading import all_findings, run_of_folder
-
-            found = all_findings(self.folder, run_of_folder(self.folder), noise=noise).linearisation
-            if found is not None:
-                return found
+        found = self._known(noise) if at is None else None
+        if found is not None:
+            return found
         examined = self._sensitivities(at, None, True, noise)
         if examined.linearisation is None:
             raise FailedRunError(f"sensitivities at the optimum cannot be had: {'; '.join(examined.notes)}")

@@ -34,6 +34,7 @@ __all__ = [
     "figure",
     "figures",
     "global_sensitivity",
+    "jackknife",
     "posterior",
     "predict",
     "profile",
@@ -157,6 +158,17 @@ def profile(
     """
     request = present(parameters=parameters, noise=noise)
     return _submit_follow_up(self, f"{job_path(job_id)}/profile", request, idempotency_key)
+
+
+def jackknife(self: Connection, job_id: str, *, runs: int | None = None, idempotency_key: str | None = None) -> Job:
+    """Submit a follow-up that fits the parameters without each test; the job must have its sensitivities already.
+
+    Parameters
+    ----------
+    runs
+        Maximum number of evaluations; 1 + 3 (parameters + tests) when None.
+    """
+    return _submit_follow_up(self, f"{job_path(job_id)}/jackknife", present(runs=runs), idempotency_key)
 
 
 def explore(

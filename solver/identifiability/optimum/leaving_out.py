@@ -48,6 +48,8 @@ class WithoutTests:
         The same as natural values, shapes (G, d) and (d, 2).
     fitted
         By forward runs, not by linearisation.
+    notes
+        What to know of the fits, in sentences.
     """
 
     names: tuple[str, ...]
@@ -58,6 +60,7 @@ class WithoutTests:
     values: FloatArray
     intervals: FloatArray
     fitted: bool = False
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -69,6 +72,7 @@ class WithoutTests:
         natural: Callable[[FloatArray], FloatArray],
         *,
         fitted: bool = False,
+        notes: tuple[str, ...] = (),
     ) -> WithoutTests:
         """From the moves alone; ``natural``: natural values (k, d) of moves from the optimum (k, d)."""
         count = len(tests)
@@ -76,7 +80,7 @@ class WithoutTests:
         deviations = np.sqrt((count - 1.0) / count * np.sum(about**2, axis=0))
         half = float(stdtrit(count - 1.0, 0.5 + level / 2.0)) * deviations
         ends = natural(np.stack([-half, half])).T
-        return cls(names, tests, level, moves, half, natural(moves), ends, fitted)
+        return cls(names, tests, level, moves, half, natural(moves), ends, fitted, notes)
 
     def pulling(self, name: str) -> str | None:
         """The test without which a parameter moves farthest; None where that is not known."""

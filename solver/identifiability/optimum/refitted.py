@@ -37,6 +37,7 @@ def refitted(search: LeavingOutSearch, space: SearchSpace, level: float) -> With
         level,
         lambda moves: natural_moves(space, settings.optimum, moves),
         fitted=True,
+        notes=notes_on(search, space),
     )
 
 

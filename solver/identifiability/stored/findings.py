@@ -41,7 +41,6 @@ from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.problem.weighting import series_by_test
 from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import MinimumSearch
@@ -299,7 +298,7 @@ def _jackknife(
     noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
     level: float,
 ) -> Findings:
-    search = method.search(calibration.space, series_by_test(calibration.problem))
+    search = method.search(calibration.space, calibration.problem.series_by_test)
     _replay(search, calibration, evaluations)
     if search.failed:
         return Findings(notes=(_optimum_failed(evaluations[0]),))
@@ -308,11 +307,7 @@ def _jackknife(
 
 @examine.register
 def _explored(
-    method: ExploreMethod,
-    calibration: Calibration,
-    evaluations: Sequence[Evaluation],
-    noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
-    level: float,  # noqa: ARG001  the form of all
+    method: ExploreMethod, calibration: Calibration, evaluations: Sequence[Evaluation], *_options: Any
 ) -> Findings:
     search = method.search(calibration.space)
     _replay(search, calibration, evaluations)
@@ -340,11 +335,7 @@ def _looked_ahead(
 
 @examine.register
 def _indices(
-    method: GlobalMethod,
-    calibration: Calibration,
-    evaluations: Sequence[Evaluation],
-    noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
-    level: float,  # noqa: ARG001  the form of all
+    method: GlobalMethod, calibration: Calibration, evaluations: Sequence[Evaluation], *_options: Any
 ) -> Findings:
     plan = method.points(calibration.space, calibration.seed)
     if len(evaluations) < len(plan.positions):

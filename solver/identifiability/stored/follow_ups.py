@@ -9,7 +9,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.errors import NotExaminedError, StatisticsError
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import profile_settings
 from geoswarm.solver.identifiability.prediction.question import OWN_KEYS, question_hash
@@ -19,7 +19,7 @@ from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.space import search_space
 
 __all__ = [
-    "check_tests",
+    "at_minimum",
     "follow_up",
     "follow_up_of",
     "global_problem",
@@ -30,6 +30,11 @@ __all__ = [
 ]
 
 _LONGEST_NAME = 200
+_NOT_THERE = "the sensitivities at the optimum are needed first: start the follow-up sensitivity"
+_MISPLACED = (
+    "the sensitivities are those of a point {far:.1f} standard errors from the minimum: start the follow-up "
+    "sensitivity again, which goes there first"
+)
 _SHORTEST_STEP, _LONGEST_STEP = 1e-4, 0.05  # first moves of a jackknife, parts of the range
 
 
@@ -107,15 +112,17 @@ def profile_problem(
     return follow_up(problem, method, seed)
 
 
-def check_tests(problem: Problem) -> None:
-    """Raise StatisticsError where a problem has too few tests to leave one out."""
-    lacking = lacks_tests(problem)
-    if lacking is not None:
-        raise StatisticsError(lacking)
+def at_minimum(found: Linearisation | None) -> Linearisation:
+    """Return the sensitivities of a run where they are those of a minimum; else raise NotExaminedError."""
+    if found is None:
+        raise NotExaminedError(_NOT_THERE)
+    if found.misplaced:
+        raise NotExaminedError(_MISPLACED.format(far=found.far))
+    return found
 
 
 def jackknife_problem(
-    problem: Problem, linearisation: Linearisation, *, seed: int, runs: int | None = None, of: str | None = None
+    problem: Problem, linearisation: Linearisation | None, *, seed: int, runs: int | None = None, of: str | None = None
 ) -> Problem:
     """The problem that fits the parameters without each test, from the optimum of a linearisation.
 
@@ -126,9 +133,17 @@ def jackknife_problem(
 
     Raises
     ------
+    StatisticsError
+        When there are fewer than three tests.
+    NotExaminedError
+        When there are no sensitivities at a minimum.
     ProblemError
-        When there are fewer than three tests, or ``runs`` is wrong.
+        When ``runs`` is wrong.
     """
+    lacking = lacks_tests(problem)
+    if lacking is not None:
+        raise StatisticsError(lacking)
+    linearisation = at_minimum(linearisation)
     without = linearisation.without
     tests = 0 if without is None else len(without.tests)
     step = {}

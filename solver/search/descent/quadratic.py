@@ -66,8 +66,8 @@ class QuadraticSurface:
             The box, shape (d,), around 0.
         """
         dimension = len(lower)
-        some = np.linalg.qr(self.coefficients[kept], mode="r")
-        whole = np.linalg.qr(self.coefficients[:, 1 : dimension + 1], mode="r")
+        some = _triangle(self.coefficients[kept])
+        whole = _triangle(self.coefficients[:, 1 : dimension + 1])
         z = np.zeros(dimension)
         residuals = _terms(z[None, :])[0] @ some.T
         for _ in range(_ITERATIONS):
@@ -91,9 +91,10 @@ class QuadraticSurface:
                 break
         return z, _undetermined(some @ _term_slopes(z), whole)
 
-    def at(self, z: FloatArray) -> FloatArray:
-        """Residuals after a move, shape (d,) -> (m,)."""
-        return np.asarray(self.coefficients @ _terms(z[None, :])[0])
+
+def _triangle(matrix: FloatArray) -> FloatArray:
+    """R of a QR decomposition: the same lengths with as many rows as columns at most."""
+    return np.asarray(np.linalg.qr(matrix)[1])
 
 
 def _terms(z: FloatArray) -> FloatArray:

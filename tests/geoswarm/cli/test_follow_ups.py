@@ -13,6 +13,7 @@ from tests.api.test_uncertainty import noisy, textbook
 from tests.geoswarm.cli.conftest import without_figures
 from tests.geoswarm.client.conftest import client, engine, server
 from tests.integration.engines import PATIENCE
+from tests.solver.identifiability.test_leaving_out import curves, fit, scattered
 
 __all__ = ["client", "engine", "server"]
 
@@ -84,6 +85,35 @@ def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFix
     assert "95% from" in shown
     assert main(["sensitivity", problem, "--noise", "much"]) == 2
     assert "--noise must be a number, or SERIES=NUMBER; got much" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("blank_figures")
+def test_each_test_of_a_folder_is_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    problem = curves(*scattered(1, 4))
+    path, folder = tmp_path / "problem.json", tmp_path / "out"
+    path.write_text(json.dumps(problem.document() | {"seed": 1}), encoding="utf-8")
+    assert main(["run", str(path), "--output", str(folder), "--json"]) == 0
+    capsys.readouterr()
+    assert main(["jackknife", str(folder), "--by", "test"]) == 0
+    shown = capsys.readouterr()
+    assert "At most 19 runs, which the fits without each test share." in shown.err
+    assert "fitted without each test" in shown.out
+    assert "pulled most by" in shown.out
+    assert main(["statistics", str(folder), "--json"]) == 0
+    found = told(capsys)["linearisation"]["without_tests"]["parameters"]["b"]  # type: ignore[index]
+    assert found["values"]["test_2"] == pytest.approx(fit(problem, 1)[1], rel=1e-3)
+    assert main(["report", str(folder), "--html", "--output", str(tmp_path)]) == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert page.count("Fitted again without each test.") == 1
+    assert "By linearisation, without further runs." not in page
+    assert main(["report", str(folder / "jackknife"), "--html", "--output", str(tmp_path)]) == 0
+    assert "Fitted without each of 4 tests." in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_of_one_test_none_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["jackknife", str(folder)]) == 2
+    assert "needs at least 3 tests with readings, got a single one" in capsys.readouterr().err
 
 
 @pytest.mark.slow
