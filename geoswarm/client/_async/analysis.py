@@ -163,12 +163,18 @@ async def profile(
 async def jackknife(
     self: AsyncConnection, job_id: str, *, runs: int | None = None, idempotency_key: str | None = None
 ) -> Job:
-    """Submit a follow-up that fits the parameters without each test; the job must have its sensitivities already.
+    """Submit a follow-up that fits the parameters without each test, with at most so many runs.
 
-    Parameters
-    ----------
-    runs
-        Maximum number of evaluations; 1 + 3 (parameters + tests) when None.
+    The job must have its sensitivities already, and three tests or more.
+
+    Examples
+    --------
+    >>> from geoswarm import HttpError
+    >>> try:
+    ...     await client.jackknife(job.id)
+    ... except HttpError as error:
+    ...     error.detail[-12:]
+    'a single one'
     """
     return await _submit_follow_up(self, f"{job_path(job_id)}/jackknife", present(runs=runs), idempotency_key)
 

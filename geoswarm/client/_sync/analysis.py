@@ -161,12 +161,18 @@ def profile(
 
 
 def jackknife(self: Connection, job_id: str, *, runs: int | None = None, idempotency_key: str | None = None) -> Job:
-    """Submit a follow-up that fits the parameters without each test; the job must have its sensitivities already.
+    """Submit a follow-up that fits the parameters without each test, with at most so many runs.
 
-    Parameters
-    ----------
-    runs
-        Maximum number of evaluations; 1 + 3 (parameters + tests) when None.
+    The job must have its sensitivities already, and three tests or more.
+
+    Examples
+    --------
+    >>> from geoswarm import HttpError
+    >>> try:
+    ...     client.jackknife(job.id)
+    ... except HttpError as error:
+    ...     error.detail[-12:]
+    'a single one'
     """
     return _submit_follow_up(self, f"{job_path(job_id)}/jackknife", present(runs=runs), idempotency_key)
 
