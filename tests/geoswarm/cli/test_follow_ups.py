@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -72,6 +75,35 @@ def test_sensitivities_elsewhere_do_not_change_the_result(
     assert {one["parameter"]: one["best"] for one in found["projections"]} == best  # type: ignore[attr-defined]
 
 
+def test_a_follow_up_that_was_cut_off_continues(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    copy = tmp_path / "out"
+    shutil.copytree(folder, copy, ignore=shutil.ignore_patterns("sensitivity", "profile", "morris"))
+
+    @contextmanager
+    def cut_off(*_: object) -> Iterator[Callable[..., None]]:
+        def stop(*_: object) -> None:
+            raise KeyboardInterrupt
+
+        yield stop
+
+    with monkeypatch.context() as changed:
+        changed.setattr("geoswarm.cli.local.running.progress_bar", cut_off)
+        assert main(["sensitivity", str(copy)]) == 130
+    assert (copy / "sensitivity" / "run.journal").is_file()
+    assert main(["statistics", str(copy), "--json"]) == 0
+    capsys.readouterr()
+    assert main(["sensitivity", str(copy)]) == 0
+    assert "Continuing after 5 runs." in capsys.readouterr().err
+    assert not (copy / "sensitivity" / "run.journal").exists()
+    whole = tmp_path / "whole"
+    shutil.copytree(folder, whole, ignore=shutil.ignore_patterns("sensitivity", "profile", "morris"))
+    assert main(["sensitivity", str(whole)]) == 0
+    told = [(place / "sensitivity" / "responses.npz").read_bytes() for place in (copy, whole)]
+    assert told[0] == told[1]
+
+
 def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     problem = str(folder / "problem.json")
     assert main(["sensitivity", problem]) == 2
@@ -130,6 +162,6 @@ def test_a_job_gets_follow_up_jobs(client: Client, capsys: pytest.CaptureFixture
     assert "standard error" in capsys.readouterr().out
     assert main(["influence", job, "--kind", "morris", "--samples", "8", *url]) == 0
     assert main(["posterior", job, *url]) == 0
-    assert "worth" in capsys.readouterr().out
+    assert "equivalent to" in capsys.readouterr().out
     assert main(["profile", job, "--at", "a=1", *url]) == 2
     assert "give it to 'sensitivity'" in capsys.readouterr().err
