@@ -316,7 +316,10 @@ def test_a_point_far_from_the_minimum_is_no_start() -> None:
 
 @pytest.mark.slow
 def test_intervals_of_fits_cover_the_mean_of_specimens_of_a_nonlinear_model() -> None:
-    """200 data bases of ten tests: specimens scatter, and no specimen has what the model misses."""
+    """200 data bases of ten tests: specimens scatter, and no specimen has what the model misses.
+
+    A 95 % interval covers 91 to 98.5 % of 200 with a chance of 99.7 %.
+    """
     rng, missed, spread = np.random.default_rng(5), 0.3 * np.sin(2.0 * X), np.array([0.3, 0.12])
     specimens = np.array([3.0, 0.8]) + spread * np.random.default_rng(1).normal(size=(4000, 2))
     middle = best_of(np.array([curve(own) for own in specimens]) + missed)  # what this model makes of all specimens
@@ -328,4 +331,4 @@ def test_intervals_of_fits_cover_the_mean_of_specimens_of_a_nonlinear_model() ->
         assert found is not None
         covered.append((found.intervals[:, 0] <= middle) & (middle <= found.intervals[:, 1]))
     share = np.mean(covered, axis=0)
-    assert ((share >= 0.88) & (share <= 0.97)).all()
+    assert ((share >= 0.91) & (share <= 0.985)).all()
