@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from geoswarm.solver.identifiability.stored.findings import NO_FINDINGS, Findings
 from geoswarm.solver.identifiability.stored.posterior import Posterior
-from geoswarm.solver.words import number
+from geoswarm.solver.words import number, per_cent
 
 __all__ = ["NOTHING_FURTHER", "Uncertainty"]
 
@@ -39,6 +39,10 @@ class Uncertainty:
                 f"Profile objectives of {', '.join(profile.parameter for profile in findings.profiles)}; closed "
                 f"intervals: {', '.join(closed) or 'none'}."
             )
+        if findings.jackknife is not None:
+            without = findings.jackknife
+            pulls = [f"{name} by {test}" for name in without.names if (test := without.pulling(name)) is not None]
+            return f"Fitted without each of {len(without.tests)} tests. Pulled most: {', '.join(pulls)}."
         if findings.global_sensitivities:
             first = findings.global_sensitivities[0]
             order = sorted(first.indices, key=lambda index: -index.main)
@@ -51,7 +55,7 @@ class Uncertainty:
                 + f" at {one.x_quantity} {number(float(one.x[-1]))} {one.x_unit}".rstrip()
                 for one in prediction.series
             ]
-            return f"Median and {prediction.level:.0%} band: {'; '.join(ends)}."
+            return f"Median and {per_cent(prediction.level)} band: {'; '.join(ends)}."
         if findings.designs:
             first_two = " then ".join(candidate.name for candidate in findings.designs[0].candidates[:2])
             return f"The most informative test: {first_two}."

@@ -13,6 +13,7 @@ from geoswarm.solver.identifiability.optimum.combinations import Combination
 from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
 from geoswarm.solver.identifiability.residuals.dependence import ALLOWANCES, Dependence
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.words import per_cent
 
 __all__ = ["BENDS", "CORRECTED", "IntervalBasis", "LinearModel", "Linearisation"]
 
@@ -32,11 +33,11 @@ _FAR, _MISPLACED = 0.2, 1.0  # standard errors
 _WIDER = 1.05  # the least factor that is said
 _BASES: dict[IntervalBasis, str] = {
     "linearised": "",
-    "correlated": "widened for correlated residuals",
-    "uneven": "widened for residuals of uneven size",
-    "possible": "widened for a correlation that so few readings cannot exclude",
-    "stated": "widened for correlated noise, as stated",
-    "tests": "widened for tests that differ",
+    "correlated": "widened by a factor of {:.2g} for correlated residuals",
+    "uneven": "widened by a factor of {:.2g} for residuals of uneven size",
+    "possible": "widened by a factor of {:.2g} for a correlation that so few readings cannot exclude",
+    "stated": "widened by a factor of {:.2g} for correlated noise, as stated",
+    "tests": "widened by a factor of {:.2g} for tests that differ",
     "moved": "by likelihood from one run at each end",
     "profile": "by likelihood",
 }
@@ -252,7 +253,7 @@ class Linearisation:
         kind: IntervalBasis | None = next((kind for kind in ALLOWANCES if kind in kinds), None)
         if name in self.between_tests:
             kind = "tests"
-        return "" if kind is None or factor < _WIDER else f"{_BASES[kind]} by a factor of {factor:.2g}"
+        return "" if kind is None or factor < _WIDER else _BASES[kind].format(factor)
 
     def basis_in_words(self, name: str) -> str:
         """What its interval rests on, in a few words; empty for linearisation where that is enough."""
@@ -262,12 +263,13 @@ class Linearisation:
         return ", ".join(part for part in (how, self._allowance(name)) if part)
 
     def interval_in_words(self, name: str) -> str:
-        """Which interval it has: "its 95% interval by linearisation"."""
+        """Which interval it has: "its 95 % interval by linearisation"."""
         looked = bool(np.isfinite(self.bending_of(name)))
         how = {"linearised": " at the optimum" if looked else " by linearisation"}
         how |= {"moved": " by likelihood", "profile": " by likelihood"}
         allowance = self._allowance(name)
-        words = f"its {self.level:.0%} interval{how.get(self.basis(name), '')}{f', {allowance},' if allowance else ''}"
+        words = f"its {per_cent(self.level)} interval{how.get(self.basis(name), '')}"
+        words += f", {allowance}," if allowance else ""
         untold = self.noise is not None and self.noise.origin == "known" and self.degrees_of_freedom < 1
         return f"{words.rstrip(',')}, if the stated error holds," if untold else words
 

@@ -13,7 +13,7 @@ from geoswarm.solver.report.document.outlook_tables import design_table, predict
 from geoswarm.solver.report.document.parts import Table
 from geoswarm.solver.report.figures.labels import ParameterLabel
 from geoswarm.solver.report.uncertainty import Uncertainty
-from geoswarm.solver.words import ends, number
+from geoswarm.solver.words import ends, number, per_cent
 
 __all__ = ["left_out_table", "uncertainty_tables"]
 
@@ -24,6 +24,8 @@ def uncertainty_tables(problem: Problem, uncertainty: Uncertainty, labels: dict[
     findings = uncertainty.findings
     if findings.profiles:
         tables.append(_profile_table(problem, findings.profiles, labels))
+    if findings.jackknife is not None:
+        tables.append(left_out_table(findings.jackknife, labels))
     if uncertainty.posterior is not None:
         tables.append(_posterior_table(uncertainty.posterior, labels))
     tables += [_index_table(found, labels) for found in findings.global_sensitivities]
@@ -67,7 +69,7 @@ def _posterior_table(posterior: Posterior, labels: dict[str, ParameterLabel]) ->
         f"{number(posterior.surface_error, 2)}: {trusted}. "
         "It holds within the sampled region only. A dash: the sample reaches the edge of that region."
     )
-    interval = f"{posterior.level:.0%} credible interval".replace("%", " %")
+    interval = f"{per_cent(posterior.level)} credible interval"
     return Table("Posterior sample", ("parameter", "median", interval, "unit"), tuple(rows), (1,), note)
 
 
@@ -97,9 +99,10 @@ def left_out_table(without: WithoutTests, labels: dict[str, ParameterLabel]) -> 
     sure = [" … ".join(ends(*one)) if np.isfinite(one).all() else "–" for one in without.intervals]
     rows.append(("95 % interval between tests", *sure))
     rows.append(("pulled most by", *(without.pulling(name) or "–" for name in without.names)))
+    how = "Fitted again without each test." if without.fitted else "By linearisation, without further runs."
     note = (
-        "By linearisation, without further runs. The interval takes each test as one piece of information (jackknife, "
-        "Student's t). A dash: one test alone determines the parameter."
+        f"{how} The interval takes each test as one piece of information (jackknife, Student's t). A dash: one test "
+        "alone determines the parameter."
     )
     columns = ("tests", *(labels[name].symbol for name in without.names))
     return Table("Leaving out one test at a time", columns, tuple(rows), tuple(range(1, len(columns))), note)
