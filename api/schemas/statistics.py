@@ -56,7 +56,7 @@ class JackknifeRequest(_Request):
 
     by: Literal["test"] = Field("test", description="what is left out, one at a time")
     runs: int | None = Field(
-        None, ge=2, le=100_000, description="maximum number of evaluations; 1 + 3 (parameters + tests) if absent"
+        None, ge=2, le=100_000, description="maximum number of evaluations; 1 + 6 (parameters + tests) if absent"
     )
 
 

@@ -261,7 +261,7 @@ class Result:
         Parameters
         ----------
         runs
-            Forward runs at most, which all fits share; 1 + 3 (parameters + tests) when None.
+            Forward runs at most, which all fits share; 1 + 6 (parameters + tests) when None.
         workers
             Number of processes that share the runs.
 

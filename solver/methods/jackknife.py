@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["FEWEST_TESTS", "JackknifeMethod", "lacks_tests", "most_runs"]
 
 FEWEST_TESTS = 3
-_EACH = 3  # runs of each parameter and of each fit
+_EACH = 6  # runs of each parameter and of each fit
 _FIRST_STEP = 0.02
 
 

@@ -137,7 +137,7 @@ def profile_command(
 @click.command("jackknife")
 @_common
 @click.option("--by", type=click.Choice(("test",)), default="test", show_default=True, help="What is left out.")
-@click.option("--runs", type=click.IntRange(2, 100_000), help="Evaluations at most; 1 + 3 (parameters + tests).")
+@click.option("--runs", type=click.IntRange(2, 100_000), help="Evaluations at most; 1 + 6 (parameters + tests).")
 def jackknife_command(
     source: str, workers: int, as_json: bool, url: str, api_key: str | None, by: str, runs: int | None
 ) -> None:

@@ -50,6 +50,8 @@ class WithoutTests:
         By forward runs, not by linearisation.
     notes
         What to know of the fits, in sentences.
+    linear_moves
+        Moves by linearisation, where ``moves`` are fitted; None: ``moves`` themselves.
     """
 
     names: tuple[str, ...]
@@ -61,6 +63,7 @@ class WithoutTests:
     intervals: FloatArray
     fitted: bool = False
     notes: tuple[str, ...] = ()
+    linear_moves: FloatArray | None = None
 
     @classmethod
     def of(

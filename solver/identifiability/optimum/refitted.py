@@ -47,10 +47,12 @@ def notes_on(search: LeavingOutSearch, space: SearchSpace) -> tuple[str, ...]:
     if search.ask() is not None:
         return ("the fits without each test are not complete yet",)
     if search.unsettled:
-        notes.append(
-            f"the fit without {', '.join(search.unsettled)} has not settled within {search.told} runs, so its values "
-            f"are not its best; give more than {search.settings.runs}"
+        why = (
+            f"within {search.told} runs; give more than {search.settings.runs}"
+            if search.told >= search.settings.runs
+            else "as its last trials were no better: the forward model is rough there"
         )
+        notes.append(f"the fit without {', '.join(search.unsettled)} has not settled {why}")
     places = space.to_unit(search.settings.optimum) + search.moves
     for test, place in zip(search.settings.names, places, strict=True):
         for name, value in zip(space.names, place.tolist(), strict=True):
@@ -72,6 +74,7 @@ def with_refits(linearisation: Linearisation, without: WithoutTests) -> Linearis
     inside = 2.0 * half <= 1.0  # wider than the range: the data do not limit it
     with np.errstate(invalid="ignore", divide="ignore"):
         factor = np.where(linearisation.linear_half_widths > 0.0, half / linearisation.linear_half_widths, 1.0)
+    linear = linearisation.without
     names, bases = np.array(linearisation.names), np.array(linearisation.bases, dtype=object)
     bases[chosen] = "tests"
     return replace(
@@ -85,5 +88,5 @@ def with_refits(linearisation: Linearisation, without: WithoutTests) -> Linearis
         bending=np.where(chosen, 0.0, linearisation.bending),  # these intervals follow the model
         bases=tuple(bases.tolist()),
         between_tests=tuple(names[rests | chosen].tolist()),
-        without=without,
+        without=replace(without, linear_moves=None if linear is None else linear.moves),
     )

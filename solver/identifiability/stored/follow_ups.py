@@ -148,7 +148,8 @@ def jackknife_problem(
     tests = 0 if without is None else len(without.tests)
     step = {}
     if without is not None:
-        typical = np.sqrt(np.mean(without.moves**2, axis=0)).tolist()
+        linear = without.moves if without.linear_moves is None else without.linear_moves
+        typical = np.sqrt(np.mean(linear**2, axis=0)).tolist()
         step = {
             name: float(np.clip(length, _SHORTEST_STEP, _LONGEST_STEP))
             for name, length in zip(problem.free_names, typical, strict=True)

@@ -15,6 +15,7 @@ from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability import Linearisation, Samples, Statistics, StatisticsError, analyse
 from geoswarm.solver.identifiability.errors import NotExaminedError
 from geoswarm.solver.identifiability.optimum.differences import residual_rows
+from geoswarm.solver.identifiability.optimum.refitted import notes_on, with_refits
 from geoswarm.solver.identifiability.stored.findings import Findings, findings_of, join_findings
 from geoswarm.solver.identifiability.stored.follow_ups import jackknife_problem
 from geoswarm.solver.methods.jackknife import JackknifeMethod
@@ -252,6 +253,33 @@ def test_fits_without_each_test_follow_a_nonlinear_model(seed: int, tests: int) 
     assert findings.notes == ()
 
 
+def test_the_same_question_twice_is_the_same_search() -> None:
+    problem = curves(*scattered(1, 4))
+    known = linearised(problem, fit(problem).tolist())
+    found = fitted_without(problem, known)[0].jackknife
+    assert found is not None
+    first, again = (jackknife_problem(problem, one, seed=1) for one in (known, with_refits(known, found)))
+    assert again == first
+
+
+def test_trials_of_a_rough_model_that_are_no_better_end_its_fits() -> None:
+    problem = curves(*scattered(1, 4))
+    question = jackknife_problem(problem, linearised(problem, fit(problem).tolist()), seed=1, runs=200)
+    calibration, method = Calibration(question, 1), question.method
+    assert isinstance(method, JackknifeMethod)
+    search = method.search(calibration.space, question.series_by_test)
+    done: list[Evaluation] = []
+    while (due := search.ask()) is not None:
+        done += [calibration.evaluate(position) for position in due]
+        rows = residual_rows(calibration, done)
+        rows[1:] += 0.02 * np.random.default_rng(1).normal(size=rows[1:].shape)
+        search.tell(np.zeros(len(due)), Runs.of(np.array([one.parameters for one in done]), rows))
+    assert len(done) < method.runs
+    (note,) = notes_on(search, calibration.space)
+    assert note.startswith("the fit without test_")
+    assert note.endswith("has not settled as its last trials were no better: the forward model is rough there")
+
+
 def test_a_fit_ends_at_a_bound_and_says_so() -> None:
     values, noise = scattered(1, 4)
     document = curves(values, noise).document()
@@ -268,7 +296,7 @@ def test_too_few_runs_are_said() -> None:
     findings, runs = fitted_without(problem, linearised(problem, fit(problem).tolist()), runs=5)
     assert runs == 5
     assert findings.notes[0].startswith("the fit without test_1, ")
-    assert findings.notes[0].endswith("has not settled within 5 runs, so its values are not its best; give more than 5")
+    assert findings.notes[0].endswith("has not settled within 5 runs; give more than 5")
 
 
 def test_what_the_other_tests_do_not_determine_has_no_value_without_it() -> None:
@@ -294,7 +322,8 @@ def test_fits_take_the_place_of_the_estimate_in_the_intervals() -> None:
     assert findings.jackknife is not None
     assert joined.between_tests == ("a", "b")
     assert joined.intervals == pytest.approx(findings.jackknife.intervals, rel=1e-12)
-    assert joined.without is findings.jackknife
+    assert joined.without is not None
+    assert joined.without.fitted
     assert left_out_table(joined.without, parameter_labels(problem)).note.startswith("Fitted again without each test.")
     assert joined.widening == pytest.approx(linear.widening * joined.unit_widths / linear.unit_widths)
 
