@@ -142,9 +142,9 @@ def test_tests_are_left_out_as_in_this_process_bit_for_bit(done: tuple[App, str]
     assert app.post(f"{API}/jobs/{job}/jackknife").status_code == 409
     wait_for_end(engine.service, app.post(f"{API}/jobs/{job}/sensitivity").json()["id"])
     costs = {one["kind"]: one for one in app.get(f"{API}/jobs/{job}/follow-ups").json()["items"]}
-    assert costs["jackknife"]["evaluations"] == 19
+    assert costs["jackknife"]["evaluations"] == 37
     submitted = app.post(f"{API}/jobs/{job}/jackknife", json={"by": "test"}).json()
-    assert submitted["max_evaluations"] == 19
+    assert submitted["max_evaluations"] == 37
     assert wait_for_end(engine.service, submitted["id"]).stop_reasons == ["design_completed"]
     stored = engine.service.store.read(lambda connection: evaluations_in_order(connection, submitted["id"]))
     local = calibrate(parse_problem(app.get(f"{API}/jobs/{submitted['id']}/problem").json()), workers=2).history
