@@ -62,8 +62,9 @@ Without them, points in the problem file have the base unit of the series, and t
 the file names: in the heading (`settlement [mm]`, `Setzung 1/100 mm (korr.)`, `Zeit in Minuten`), in a row of units
 below the names, in each cell (`0.5 %`), in the format of the cells, or in a comment (`# x in min, y in mm`). German and
 English words and units such as `kg/cm2`, `t/m²`, `psf` and `‰` are known. A unit that is not known, several units in
-one heading, a unit of another dimension and a column without any unit are errors; only numbers without dimension need
-none. A client that sends the readings of a file without a unit to a service gives the unit `unstated`, so that the
+one heading, a unit of another dimension and a column without any unit are errors. Numbers without dimension need none,
+such as void ratios; strains do, `%` or `[-]`.
+A client that sends the readings of a file without a unit to a service gives the unit `unstated`, so that the
 service refuses them, too.
 
 ### CSV and XLSX files

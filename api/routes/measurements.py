@@ -68,8 +68,8 @@ async def read_points(
 ) -> MeasuredPoints:
     """Read the points of one series from a file, as a problem file would. Nothing is stored.
 
-    A unit that neither the observation nor the file names is `unstated`: a problem with it is refused unless the series
-    has no unit.
+    A unit that neither the observation nor the file names is `unstated`: a problem with it is refused unless the
+    quantity needs no unit, as a void ratio; a strain needs one.
     """
     try:
         slot = limiter(request, "files")

@@ -128,4 +128,6 @@ def _part(name: str, id: str, test: ShearTest, one: Failure, law: Law, notes: li
 
 def _reading(series: str, name: str, id: str, one: Failure, strain: float, value: float) -> Reading:
     about = f"{series} of {id} test {one.number} at failure: axial strain, kPa"
-    return Reading(series, f"{name}_{series}", about, (strain,), (value,), keys={"y_unit": "kPa"})
+    return Reading(
+        series, f"{name}_{series}", about, (strain,), (value,), keys={"x_unit": "dimensionless", "y_unit": "kPa"}
+    )

@@ -36,6 +36,8 @@ _STRESSES, _USUAL_STRESSES = (1.0e-3, 1.0e3), (0.02, 20.0)
 """Largest stress that is read over the largest one that is applied: what is possible, and what is usual."""
 _AT_FIRST, _OFFSET = 2.0e-3, 5.0
 """Part of the largest x up to which a reading is one of the beginning; kPa that its pore pressure may be off."""
+_ANEW, _SOME = 0.02, 2
+"""Part of the range of x from its beginning within which readings begin anew, and how many are then another test."""
 _SYMBOLS = frozenset(("q", "p'", "τ", "σ'v"))
 """Quantities of series that are stresses."""
 
@@ -97,6 +99,7 @@ def doubtful_readings(problem: Problem) -> Iterator[Doubt]:
         section, spec, name = section_of_test(problem.forward_model, one.series)
         if isinstance(spec, LaboratorySpec):
             yield from _of_any_law(f"observations[{index}]", one, infos[one.series], spec)
+            yield from _begins_anew(f"observations[{index}]", one, infos[one.series])
             if name == "pore_pressure" and not isinstance(spec, FlowSpec):
                 yield from _back_pressure(f"observations[{index}]", one, section, getattr(spec, "back_pressure", 0.0))
 
@@ -203,6 +206,23 @@ def _of_any_law(place: str, observation: Observation, info: SeriesInfo, spec: La
         shown = with_unit(float(f"{float(convert(largest, base or '1', unit or '1')):.3g}"), unit)
         seen = f"the largest value of {quantity}, {shown}, is {what}"
         yield Doubt(observation.series, place, f"{axis}_unit", seen, _unit(place, axis, unit, meant), True)
+
+
+def _begins_anew(place: str, observation: Observation, info: SeriesInfo) -> Iterator[Doubt]:
+    """Strains that return to their beginning within one branch, as where two tests stand one below the other."""
+    x = observation.x
+    if "strain" not in info.x_quantity or "shear" in info.x_quantity or np.ptp(x) == 0.0:
+        return
+    back = (x[1:] <= x[0] + _ANEW * np.ptp(x)) & (np.maximum.accumulate(x)[:-1] > x[0] + 0.5 * np.ptp(x))
+    places = np.flatnonzero(back) + 1
+    first = int(places[0]) if places.size else 0
+    if not _SOME <= first <= len(x) - _SOME:
+        return
+    unit = observation.x_unit or "1"
+    before, now = (f"{value:.4g}" for value in convert(x[first - 1 : first + 1], info.x_unit or "1", unit))
+    seen = f"{info.x_quantity} begins anew at point {first + 1}, {with_unit(float(now), unit)} after {before}"
+    remedy = (", as where two tests stand in one table; ", setting(f"{place}.where"), " or the cells choose one")
+    yield Doubt(observation.series, place, "", seen, remedy, True)
 
 
 def _back_pressure(place: str, observation: Observation, section: str, back: float) -> Iterator[Doubt]:

@@ -188,11 +188,12 @@ def _build(
     issues: list[Issue] = []
     converted = []
     units: dict[str, str | None] = {}
-    for axis, values, given, base, heading in (
-        ("x", points.x, None if points.by_load else section.x_unit, info.x_unit, points.x_heading),
-        ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
+    for axis, values, given, quantity, base, heading in (
+        ("x", points.x, None if points.by_load else section.x_unit, info.x_quantity, info.x_unit, points.x_heading),
+        ("y", points.y, section.y_unit, info.y_quantity, info.y_unit, points.y_heading),
     ):
-        unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x")
+        needed = "strain" in quantity  # in per cent as often as not
+        unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x", needed=needed)
         units[axis] = unit
         if wrong is not None:
             issues.append(Issue(f"{path}.{axis}_{'unit' if given else 'column'}", wrong))
@@ -300,15 +301,16 @@ def _loss(
 
 
 def unit_of_data(
-    axis: str, given: str | None, base: str, heading: Heading | None, *, unitless: bool
+    axis: str, given: str | None, base: str, heading: Heading | None, *, unitless: bool, needed: bool = False
 ) -> tuple[str | None, str | None]:
     """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong.
 
-    ``unitless``: a formula or a program, whose series without a unit take the numbers as they are.
+    ``unitless``: a formula or a program, whose series without a unit take the numbers as they are. ``needed``: pure
+    numbers need a unit, too, as strains do.
     """
+    pure = same_unit(base, "1") and not needed
     if given == UNSTATED:
-        plain = None if same_unit(base, "1") else f"the file names no known unit; give {axis}_unit: {_usual(base)}"
-        return None, plain
+        return None, None if pure else f"the file names no known unit; give {axis}_unit: {_usual(base)}"
     if heading is None:
         return given, None
     column = f"column '{heading.name}'"
@@ -324,24 +326,24 @@ def unit_of_data(
         return (best.unit, None) if unclear is None else (None, f"{column} {unclear}; {axis}_unit says which holds")
     if unitless and same_unit(base, "1"):
         return None, None
-    needed = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"
+    other = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"
     if heading.certain:
         if same_unit(base, "1"):
             return None, f"{column} is in {heading.unit}, but the series has no unit; name another column"
-        return None, f"{column} is in {heading.unit}, {needed}, or give {axis}_unit"
+        return None, f"{column} is in {heading.unit}, {other}, or give {axis}_unit"
     if unclear is not None:
         return None, f"{column} {unclear}; {axis}_unit says what the numbers are in"
-    if same_unit(base, "1"):
+    if pure:
         return None, None
     shown, usual = ", ".join(number(value) for value in heading.first), f"give {axis}_unit: {_usual(base)}"
     if heading.unit is not None:
-        return None, f"{column} ({shown}, ...) may be in {heading.unit}, {needed} column, or {usual}"
+        return None, f"{column} ({shown}, ...) may be in {heading.unit}, {other} column, or {usual}"
     brackets = "" if is_cells(heading.name) else ", or write it in brackets behind the name in the file"
     return None, f"{column} ({shown}, ...) has no unit; {usual}{brackets}"
 
 
 def _usual(base: str) -> str:
-    return _USUAL.get(base, base)
+    return _USUAL.get(base, base or "'%' or dimensionless")
 
 
 def _fits(unit: str, base: str) -> bool:

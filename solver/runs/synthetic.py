@@ -71,7 +71,8 @@ def write_readings(
     infos, written = {info.name: info for info in problem.model.series}, []
     for section, one in zip(sections, problem.observations, strict=True):
         info, error = infos[one.series], float(section["error"])
-        x_unit, y_unit = one.x_unit or info.x_unit, one.y_unit or info.y_unit
+        x_unit = one.x_unit or info.x_unit or "dimensionless"
+        y_unit = one.y_unit or info.y_unit or "dimensionless"
         x = convert(one.x, info.x_unit, x_unit)
         y = convert(responses[one.series], info.y_unit, y_unit) + random.normal(0.0, error, one.x.size)
         lines = [

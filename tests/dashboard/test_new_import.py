@@ -176,6 +176,9 @@ def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
     expect(mapping.get_by_role("alert")).to_contain_text("is in mm, but axial strain of axial_strain has no unit but %")
     expect(page.locator("#take")).to_be_disabled()
     check_accessibility(page, ".mapping")
+    mapping = drop(page, "t [min];eps\n1;0.05\n2;0.1\n")
+    mapping.get_by_label("Series").select_option(label="axial_strain")
+    expect(mapping.locator(".todo")).to_have_text("“eps” has no unit: give the unit of y.")
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,22 @@ def test_expensive_or_unknown_runs_go_one_by_one_and_cheap_ones_in_chunks(
     assert recorded_history(service, job_id) == EXPECTED
 
 
+def test_a_wide_first_generation_learns_only_once_what_a_run_costs(
+    store: Store, settings: Settings, service: JobService
+) -> None:
+    problem = line(method={"kind": "particle_swarm", "particles": 40}, stopping={"max_evaluations": 40})
+    job_id = service.submit(problem)[0].id
+    hand = Hand(runtime_for(store, settings, single_seconds=0.0), job_id, "w1", course(problem))
+    hand.take()
+    noted = []
+    for _ in range(35):
+        noted.append(store.read(lambda c: c.scalar(select(jobs.c.typical_seconds))))
+        hand.submit()
+    assert noted[:32] == [None] * 32  # each exchange asks what was handed in
+    assert noted[32] is not None
+    assert set(noted[32:]) == {noted[32]}
+
+
 def test_the_first_result_counts_and_a_late_one_is_recorded(
     store: Store, settings: Settings, service: JobService, job_id: str
 ) -> None:

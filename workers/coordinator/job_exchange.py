@@ -23,7 +23,7 @@ from geoswarm.workers.coordinator.width import free_slots
 from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, Result, Sizing, Submission
 from geoswarm.workers.queries.evaluations import list_results
 from geoswarm.workers.queries.jobs import LockedJob, lock_job, save_job
-from geoswarm.workers.queries.queue import note_served
+from geoswarm.workers.queries.queue import note_served, note_typical
 from geoswarm.workers.queries.versions import note_versions
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import (
@@ -321,6 +321,8 @@ class JobExchange:
             rows.write(self.connection)
             counted = list_results(self.connection, self.locked.id, rows.generation, ENOUGH)
             self.typical = _typical([(row.seconds, row.reason) for row in counted], None)
+            if len(counted) == ENOUGH and self.typical is not None:  # further exchanges need not ask again
+                note_typical(self.connection, self.locked.id, self.typical)
         out = [rows, *self._ahead(rows, asked)]
         hand_outs = [HandOut(one, self.locked.now, self.settings.lease_seconds) for one in out]
         # A worker that dispatches wakes as many as there are chunks: the last one sees what is left.

@@ -42,6 +42,7 @@ __all__ = [
     "mark_rung",
     "most_urgent_job",
     "note_served",
+    "note_typical",
     "open_needs",
     "take_turn",
 ]
@@ -204,6 +205,11 @@ def note_served(connection: Connection, row: Record) -> None:
     if connection.dialect.name == "postgresql":
         line = turns.c.line == select(turns.c.line).where(line).with_for_update(skip_locked=True).scalar_subquery()
     connection.execute(update(turns).where(line).values(served_at=now))
+
+
+def note_typical(connection: Connection, job_id: str, seconds: float) -> None:
+    """Note what an evaluation of a job typically takes [s], before its first generation is complete."""
+    connection.execute(update(jobs).where(jobs.c.id == job_id).values(typical_seconds=seconds))
 
 
 def mark_rung(connection: Connection, job_ids: Sequence[str]) -> None:

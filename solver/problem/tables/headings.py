@@ -50,6 +50,7 @@ _SQUARE = re.compile(r"(?<![A-Za-z])sq\.?\s?([A-Za-z]{1,4})\b\.?", re.IGNORECASE
 _EXPONENT = re.compile("(?<![⁰¹²³⁴⁵⁶⁷⁸⁹⁻])(?=[⁰¹²³⁴⁵⁶⁷⁸⁹⁻])")
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _BRACKETS = re.compile(r"\[[^\[\](){}<>]{0,40}\]|\([^\[\](){}<>]{0,40}\)|\{[^\[\](){}<>]{0,40}\}|<[^\[\](){}<>]{0,40}>")
+_GLUED = re.compile(r"(?:(?<=[^\W\d_])|(?<=[^\W\d_]\d))(?=[%‰](?:\s|$))|(?<=^[%‰])(?=[^\W\d_])")  # "eps1%", "%strain"
 _IN = re.compile(r"(?:^|\s)(?:in|unit:?|einheit:?)\s+(?=\S)", re.IGNORECASE)
 _BEHIND = re.compile(r"(?<=.)\s*[/,_:;|=]\s*(?=[^\s,]{1,20}(?:\s[^\s,/]{1,20})?$)|\s[-–]\s(?=\S{1,20}$)")
 _VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+-].{0,19})")
@@ -218,7 +219,7 @@ def units_of(heading: str) -> tuple[Named, ...]:
     if len(heading) > _LONGEST or _LETTERS.fullmatch(heading) is not None:
         return ()
     found: list[Named] = []
-    plain = _BRACKETS.sub(" ", heading)
+    plain = _GLUED.sub(" ", _BRACKETS.sub(" ", heading))
     for bracket in sorted(_BRACKETS.finditer(heading), key=lambda one: "[{<(".index(one[0][0])):
         inner = re.sub(r"^(in|unit:?|einheit:?)\s+", "", bracket[0][1:-1].strip(), flags=re.IGNORECASE)
         unit, base = _known(re.sub(r"\s*/\s*", "/", inner))

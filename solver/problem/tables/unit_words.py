@@ -46,7 +46,7 @@ _WORDS = {
     "%": "percent prozent pct vol.-% vol-% vol.% vol% v.-% vh v.h",
     "permille": "‰ promille permil o/oo",
     "um/m": "µm/m μm/m µε με microstrain ustrain µstrain",
-    "dimensionless": "- – — 1 dimensionslos unitless",
+    "dimensionless": "- – — -- 1 dimensionslos unitless decimal dezimal fraction",
 }
 ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {
     "per mille": "permille",
@@ -61,8 +61,8 @@ ATOMS = frozenset(
     re.findall(
         r"\S+",
         "nm um mm cm dm m km in inch thou ft s ms min h hr d day week month year Pa hPa kPa MPa GPa bar mbar atm torr "
-        "mH2O cmH2O mmHg N kN MN kgf tf lbf kip force_ton psi ksi g kg mg Mg t degree deg rad mrad permille ppm "
-        "ml cl l A mA V mV kV Hz % dimensionless",
+        "mH2O cmH2O mmHg N daN kN MN dyn kgf tf lbf kip force_ton psi ksi g kg mg Mg t degree deg rad mrad permille "
+        "ppm ml cl l A mA V mV kV Hz % dimensionless",
     )
 )
 """What a unit may be made of: the registry knows many words (rod, point, e) that mean something else in headings."""

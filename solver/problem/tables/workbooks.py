@@ -201,7 +201,9 @@ class _Workbook:
             return "" if formula is None else formula_text(formula.text or "")
         if kind == "s":
             return texts[int(stored)]
-        if kind != "n":  # a formula's text, an error, true or false, a date in ISO 8601
+        if kind == "b":  # no number, as a person sees none
+            return "TRUE" if stored.strip() == "1" else "FALSE"
+        if kind != "n":  # a formula's text, an error, a date in ISO 8601
             return self._parts.short(stored.strip())
         style = int(cell.get("s", "0"))
         return _as_shown(float(stored), styles[style] if style < len(styles) else "", since_1904)

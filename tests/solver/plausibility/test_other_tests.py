@@ -106,3 +106,19 @@ def test_stresses_and_strains_of_shear_tests(kind: str, observation: dict[str, A
     else:
         assert said in found[0].message
         assert found[0].path == "observations[0].y_unit"
+
+
+@pytest.mark.parametrize(
+    ("strains", "anew"),
+    [
+        ([0.5, 1, 2, 5, 0.5, 1, 2, 5], "axial strain begins anew at point 5, 0.5 % after 5, as where two tests stand"),
+        ([0, 1, 2, 5, 4, 3, 5.5, 8], ""),  # a loop
+        ([0, 1, 2, 5, 0], ""),  # the last reading after the test
+        ([0, 0.01, 0, 0.02, 0, 1, 2], ""),  # noise at its beginning
+    ],
+)
+def test_two_tests_in_one_table(strains: list[float], anew: str) -> None:
+    points = {"x": strains, "y": [30.0 + 5.0 * strain for strain in strains]}
+    found = [issue.message for issue in impossible(sheared("triaxial", series="q", x_unit="%", points=points))]
+    assert anew in "".join(found)
+    assert len(found) == bool(anew)

@@ -79,6 +79,14 @@ def test_a_heading_with_a_unit_that_does_not_fit(tmp_path: Path) -> None:
     )
 
 
+def test_true_and_false_in_a_workbook_are_no_numbers(tmp_path: Path) -> None:
+    rows = ROWS.replace('<c r="C5" t="e"><v>#N/A</v></c>', '<c r="C5" t="b"><v>1</v></c>')
+    content = workbook(("Readings", rows), strings=STRINGS)
+    assert "'TRUE' is not a finite number" in mistakes(
+        tmp_path, "a.xlsx", content, x_column="time", y_column="settlement"
+    )
+
+
 def test_a_sheet_of_a_workbook(tmp_path: Path) -> None:
     rows = ROWS.replace('<c r="C5" t="e"><v>#N/A</v></c>', '<c r="C5"><v>0.375</v></c>')
     content = workbook(("Notes", ""), ("Readings", rows), strings=STRINGS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -296,6 +297,24 @@ def test_a_factor_before_a_strain_is_asked_for(heading: str) -> None:
     assert "factor" in str(unit_of_data("y", None, "dimensionless", heading_of(heading, {}), unitless=False)[1])
 
 
+@pytest.mark.parametrize("heading", ["eps_1", "strain (abs)", "ε", "Stauchung"])
+def test_a_strain_without_a_unit_is_asked_for(heading: str) -> None:
+    named = replace(heading_of(heading, {}), first=(0.05, 0.1))
+    unit, wrong = unit_of_data("x", None, "", named, unitless=False, needed=True)
+    assert unit is None
+    assert wrong is not None
+    assert f"'{heading}' (0.05, 0.1, ...) has no unit; give x_unit: '%' or dimensionless" in wrong
+    assert "give y_unit: '%' or" in str(unit_of_data("y", "unstated", "", named, unitless=False, needed=True)[1])
+    assert unit_of_data("x", None, "", named, unitless=False) == (None, None)  # a void ratio
+
+
+@pytest.mark.parametrize("heading", ["eps1%", "%strain", "Strain% corr", "eps_v%", "‰Dehnung", "ε‰"])
+def test_a_sign_of_per_cent_beside_a_letter_is_the_unit(heading: str) -> None:
+    unit, wrong = unit_of_data("y", None, "", heading_of(heading, {}), unitless=False, needed=True)
+    assert wrong is None
+    assert unit == ("%" if "%" in heading else "permille")
+
+
 @pytest.mark.parametrize(
     ("heading", "base", "factor"),
     [
@@ -311,6 +330,8 @@ def test_a_factor_before_a_strain_is_asked_for(heading: str) -> None:
         ("Stress (lb/sq ft)", "kPa", 0.04788025898),
         ("Stress [kg/sq.cm]", "kPa", 98.0665),
         ("Strain [1e-6]", "dimensionless", 1e-6),
+        ("strain (decimal)", "dimensionless", 1.0),
+        ("q (daN/cm²)", "kPa", 100.0),
     ],
 )
 def test_words_beside_a_unit_are_no_factors(heading: str, base: str, factor: float) -> None:

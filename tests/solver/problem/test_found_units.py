@@ -118,7 +118,7 @@ def test_a_table_below_the_lines_of_a_machine(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "x"),
     [
-        ("eps q_kPa\n0.001 10.0\n0.01  40.0\n0.1   60.0\n", [0.001, 0.01, 0.1]),
+        ("eps% q_kPa\n0.1 10.0\n1  40.0\n10   60.0\n", [0.001, 0.01, 0.1]),
         ("eps [%] q [kPa]\n0.1 10.0\n1  40.0\n10   60.0\n", [0.001, 0.01, 0.1]),
         ("eps   q   Void ratio\n[%]    [kPa]    [-]\n\n0.1\t10\t1.03\n1\t40\t1.02\n10\t60\t1.01\n", [0.001, 0.01, 0.1]),
         ("sigma3'   eps   q\n[kPa]    [%]     [kPa]\n\n5\t0.1\t10\n5\t1\t40\n5\t10\t60\n", [0.001, 0.01, 0.1]),
@@ -272,10 +272,13 @@ def test_units_that_are_refused(heading: str, message: str, tmp_path: Path) -> N
 def test_a_column_without_a_unit_is_asked_for(tmp_path: Path) -> None:
     text = "eps q\n0.001 10.0\n0.01  40.0\n0.1   60.0\n0.2 61\n"
     assert refused(tmp_path, "q.txt", text, x_column="eps", y_column="q") == (
+        "observations[0].x_column: column 'eps' (0.001, 0.01, 0.1, ...) has no unit; give x_unit: '%' or "
+        "dimensionless, or write it in brackets behind the name in the file\n"
         "observations[0].y_column: column 'q' (10, 40, 60, ...) has no unit; give y_unit: kPa, MPa or kg/cm2, or write "
         "it in brackets behind the name in the file"
     )
-    assert triaxial(tmp_path, "q.txt", text, x_column="eps", y_column="q", y_unit="MPa").y[0] == 10_000.0
+    units = {"x_unit": "dimensionless", "y_unit": "MPa"}
+    assert triaxial(tmp_path, "q.txt", text, x_column="eps", y_column="q", **units).y[0] == 10_000.0
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ export function suitUnits(state, file, info, axes = ["x", "y"]) {
   for (const axis of axes) {
     const column = file.columns[state[axis]];
     const clock = axis === "x" && column?.kind === "clock";
-    const plain = info && plainBase(info[`${axis}_unit`]) === "dimensionless" && !loadsAsX(info, axis, column) && (!column?.unclear || unitless(info, axis));
+    const plain = info && plainBase(info[`${axis}_unit`]) === "dimensionless" && !info[`${axis}_quantity`].includes("strain") && !loadsAsX(info, axis, column) && (!column?.unclear || unitless(info, axis));
     state[`${axis}Unit`] = column?.unit ?? (clock ? "day" : plain ? "dimensionless" : "");
   }
 }
