@@ -101,8 +101,7 @@ class JobExchange:
         return self._job
 
     def alone(self, asked: Sequence[Asked]) -> bool:
-        """Whether exchanges must come one by one: the job's failures are being rerun, or whole generations are handed
-        in."""
+        """Whether exchanges must come one by one: failures are being rerun, or whole generations are handed in."""
         again = self.locked.row.retry_to is not None
         return len(asked) > 1 and (again or any(one.submission.local_batches for one in asked))
 
