@@ -20,7 +20,7 @@ __all__ = [
     "listed",
     "number",
     "reasons_in_words",
-    "share",
+    "per_cent",
     "typeset",
     "verdict_in_words",
     "visible",
@@ -158,14 +158,10 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}"
 
 
-def share(part: float) -> str:
-    """Return a part of a whole in per cent, one digit at least that is not 0: ``34%``, ``2.1%``, ``0.003%``."""
-    if part >= 0.1 or part <= 0.0:
-        return f"{part:.0%}"
-    if part >= 1e-3:
-        return f"{part:.1%}"
-    decimals = -math.floor(math.log10(100.0 * part))
-    return f"{100.0 * part:.{decimals}f}%" if decimals <= 6 else "less than 0.000001%"
+def per_cent(part: float) -> str:
+    """Return a part of a whole in per cent, one digit at least that is not 0: ``34 %``, ``2.1 %``, ``0.003 %``."""
+    decimals = 0 if part >= 0.1 or part <= 0.0 else 1 if part >= 1e-3 else -math.floor(math.log10(100.0 * part))
+    return f"{100.0 * part:.{decimals}f}".removesuffix(".0") + " %" if decimals <= 6 else "less than 0.000001 %"
 
 
 def _power(mantissa: str, power: str) -> str:
@@ -174,13 +170,13 @@ def _power(mantissa: str, power: str) -> str:
 
 
 def typeset(text: str) -> str:
-    """Return a sentence as it is printed: ``5.2e-08`` becomes ``5.2·10⁻⁸``, ``95%`` becomes ``95 %``."""
+    """Return a sentence as it is printed: ``5.2e-08`` becomes ``5.2·10⁻⁸``, ``95 %`` is not broken."""
     powers = re.sub(
         r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]\d+)\b",
         lambda found: _power(found[1], found[2]),
         text,
     )
-    return re.sub(r"(\d)%", "\\1\N{NO-BREAK SPACE}%", powers)
+    return re.sub(r"(\d) ?%", "\\1\N{NO-BREAK SPACE}%", powers)
 
 
 def duration(seconds: float | None, *, plain: bool = False) -> str:

@@ -14,6 +14,7 @@ from geoswarm.solver.identifiability.prediction.bands import PredictedSeries, Pr
 from geoswarm.solver.identifiability.worth.outcome import Design
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.system.extras import has, needs_extra
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -91,7 +92,7 @@ class Predicted:
         if len(chosen) != len(self.found.series):
             raise ValueError(f"axes: {len(chosen)} are given, there are {len(self.found.series)} series")
         for one, place in zip(self.found.series, chosen, strict=True):
-            place.fill_between(one.x, one.lower, one.upper, alpha=0.3, label=f"{self.level:.0%} band")
+            place.fill_between(one.x, one.lower, one.upper, alpha=0.3, label=f"{per_cent(self.level)} band")
             place.plot(one.x, one.median, label="median")
             place.set_xlabel(f"{one.x_quantity} [{one.x_unit or '-'}]")
             place.set_ylabel(f"{one.y_quantity} [{one.y_unit or '-'}]")
@@ -104,7 +105,7 @@ class Predicted:
             return f"{one.series} {middle:.6g} ({low:.6g} to {high:.6g})"
 
         told = ", ".join(band(one) for one in self.found.series)
-        return f"<Predicted {self.level:.0%} at the last x: {told}{'; ' + self.alarm if self.alarm else ''}>"
+        return f"<Predicted {per_cent(self.level)} at the last x: {told}{'; ' + self.alarm if self.alarm else ''}>"
 
 
 def predict(

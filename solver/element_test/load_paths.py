@@ -14,6 +14,7 @@ from geoswarm.solver.element_test.advance import advance
 from geoswarm.solver.element_test.step_control import AS_FOUND, DONE, NO_STEP
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.words import per_cent
 
 __all__ = [
     "LoadPath",
@@ -244,7 +245,7 @@ def follow_load_path(
         pieces.append((places[:count], middles[:count], ends[:count]))
         now = float(places[count - 1, 1]) if count else now
         if outcome == NO_STEP or (outcome != DONE and steps > _MOST_STEPS):
-            where = f"{now * duration:.6g} day after its beginning" if duration else f"at {now:.2%} of its load"
+            where = f"{now * duration:.6g} day after its beginning" if duration else f"at {per_cent(now)} of its load"
             raise DivergedError(
                 f"stage {load_path.name}: no solution {where}, {point_in_words(stress, state.strain + strain)}"
             )

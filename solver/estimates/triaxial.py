@@ -17,6 +17,7 @@ from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.forward.combined import ModelPart
 from geoswarm.solver.laboratory.shear.triaxial import TriaxialMonotonic, TriaxialSpec
 from geoswarm.solver.problem import Observation, Problem
+from geoswarm.solver.words import per_cent
 
 __all__ = ["Sheared", "sheared_specimen", "triaxial_construction", "triaxial_values"]
 
@@ -155,9 +156,9 @@ def _critical(settled: Sequence[Sheared]) -> ClassicalValue:
     how = f"end of shearing, {count}, c = 0"
     if not settled:
         why = (
-            f"no specimen is at its critical state at the end: that needs an axial strain of at least {_FAR:.0%}, over "
-            f"whose last quarter p' and q/p' change by less than {_STILL:.0%}, and the volume by less than {_RATE:.0%} "
-            "of that strain"
+            "no specimen is at its critical state at the end: that needs an axial strain of at least "
+            f"{per_cent(_FAR)}, over whose last quarter p' and q/p' change by less than {per_cent(_STILL)}, and the "
+            f"volume by less than {per_cent(_RATE)} of that strain"
         )
         return ClassicalValue("", "φ_cs", "end of shearing, c = 0", None, why, "degree")
     s = np.array([0.5 * sum(one.end) for one in settled])

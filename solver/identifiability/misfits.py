@@ -8,7 +8,7 @@ from typing import Literal
 
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.units import convert, convert_difference, shown_unit
-from geoswarm.solver.words import listed, number, share
+from geoswarm.solver.words import listed, number, per_cent
 
 __all__ = [
     "DOES_NOT_HOLD",
@@ -182,7 +182,7 @@ def sentence_of(
 
 
 def _within(one: Closeness) -> str:
-    peak = "" if one.peak is None else f", peaks within {share(one.peak)}"
+    peak = "" if one.peak is None else f", peaks within {per_cent(one.peak)}"
     mean = _amount(one.deviation, one.unit)
     return f"{one.quantity} is met within {_amount(one.largest, one.unit)} (root mean square {mean}{peak})"
 
@@ -249,7 +249,7 @@ def _reason(misfits: Sequence[Misfit]) -> str:
     if all(m.reason == "repeats" for m in misfits):
         return "more than the scatter of repeats explains"
     least = min(m.probability for m in misfits)
-    return f"noise has such a pattern with a probability {'below 0.2%' if least <= 0.002 else f'of {least:.1%}'}"
+    return f"noise has such a pattern with a probability {'below 0.2 %' if least <= 0.002 else f'of {per_cent(least)}'}"
 
 
 def _too_small(exceeded: Sequence[Misfit], tests: int) -> str:

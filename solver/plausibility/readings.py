@@ -20,6 +20,7 @@ from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test
 from geoswarm.solver.sentences import Key, Sentence, plain, setting
 from geoswarm.solver.units import convert
+from geoswarm.solver.words import per_cent
 
 __all__ = ["Doubt", "doubtful_readings"]
 
@@ -117,7 +118,7 @@ def _size(readings: StagedReadings) -> Iterator[Doubt]:
     if strain > 1.0:
         what = f"more than the {name}" if name else "a strain of more than 1, so more than the specimen itself"
     elif strain > _MOST:
-        what = f"{strain:.0%} of the {name}" if name else f"a strain of {strain:.0%}"
+        what = f"{per_cent(strain)} of the {name}" if name else f"a strain of {per_cent(strain)}"
         what += ", more than soils are compressed by in a test"
     else:
         what = f"only {strain:.2g} of the {name}" if name else f"a strain of only {strain:.1g}"

@@ -8,7 +8,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.weighting import weight_shares
 from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.units import same_unit
-from geoswarm.solver.words import listed, share
+from geoswarm.solver.words import listed, per_cent
 
 __all__ = ["unweighted_units"]
 
@@ -25,9 +25,9 @@ def unweighted_units(problem: Problem) -> Iterator[Sentence]:
         return
     shares = sorted((one for one in weight_shares(problem) if one.weight > 0), key=lambda one: -one.share)
     little = sum(one.share < _LITTLE for one in shares)
-    named = [f"{one.series} has {share(one.share)}" for one in shares[:_NAMED] if one.share >= _LITTLE]
+    named = [f"{one.series} has {per_cent(one.share)}" for one in shares[:_NAMED] if one.share >= _LITTLE]
     if little:
-        named.append(f"{little} of {len(shares)} series {'have' if little > 1 else 'has'} less than 1%")
+        named.append(f"{little} of {len(shares)} series {'have' if little > 1 else 'has'} less than 1 %")
     yield (
         f"series of different units ({listed(units)}) add up without weights: if each is missed by the same part of "
         f"its range, {listed(named)} of the objective. ",

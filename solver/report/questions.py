@@ -31,7 +31,7 @@ from geoswarm.solver.identifiability.worth.question import MOST_DRAWS, design_pr
 from geoswarm.solver.methods.design import Criterion
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.document.build import Report
-from geoswarm.solver.words import share
+from geoswarm.solver.words import per_cent
 
 __all__ = [
     "DEFAULT_DRAWS",
@@ -63,7 +63,7 @@ _WIDER: dict[DependenceKind, str] = {
     "stated": "the errors of the readings are correlated, as stated",
 }
 _CONTAINS = (
-    "the band covers the effect of the uncertainty of the identified parameters, {level:.0%} at each x. It "
+    "the band covers the effect of the uncertainty of the identified parameters, {level} at each x. It "
     "holds neither the error of a reading nor what the forward model itself lacks"
 )
 
@@ -212,7 +212,7 @@ def prediction_question(
         level=level,
         readings={series: value for series, value in deviations.items() if series not in robust},
         alarm=_alarm(known.statistics),
-        remarks=[_CONTAINS.format(level=level), *remarks, *_said(known, sample)],
+        remarks=[_CONTAINS.format(level=per_cent(level)), *remarks, *_said(known, sample)],
         of=of,
         programs=programs,
     )
@@ -294,7 +294,7 @@ def _said(known: Known, sample: ParameterSample | None) -> list[str]:
     if len(known.basins) > 1:
         told = "; ".join(
             f"{', '.join(f'{name} = {value:.4g}' for name, value in zip(names, basin.optimum, strict=True))} with "
-            f"{share(basin.share)}"
+            f"{per_cent(basin.share)}"
             for basin in known.basins
         )
         said.append(
@@ -315,7 +315,7 @@ def _said(known: Known, sample: ParameterSample | None) -> list[str]:
     hidden = known.statistics.basins.hidden
     if is_sparse(hidden):
         said.append(
-            f"another basin could still hide in {share(hidden)} of the searched space, which takes no part: "
+            f"another basin could still hide in {per_cent(hidden)} of the searched space, which takes no part: "
             "the follow-up explore looks there"
         )
     return said

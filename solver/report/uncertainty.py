@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from geoswarm.solver.identifiability.stored.findings import NO_FINDINGS, Findings
 from geoswarm.solver.identifiability.stored.posterior import Posterior
-from geoswarm.solver.words import number
+from geoswarm.solver.words import number, per_cent
 
 __all__ = ["NOTHING_FURTHER", "Uncertainty"]
 
@@ -51,7 +51,7 @@ class Uncertainty:
                 + f" at {one.x_quantity} {number(float(one.x[-1]))} {one.x_unit}".rstrip()
                 for one in prediction.series
             ]
-            return f"Median and {prediction.level:.0%} band: {'; '.join(ends)}."
+            return f"Median and {per_cent(prediction.level)} band: {'; '.join(ends)}."
         if findings.designs:
             first_two = " then ".join(candidate.name for candidate in findings.designs[0].candidates[:2])
             return f"The most informative test: {first_two}."

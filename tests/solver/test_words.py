@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from geoswarm.cli.words import output
-from geoswarm.solver.words import duration, ends, number, reasons_in_words, share, typeset, visible
+from geoswarm.solver.words import duration, ends, number, per_cent, reasons_in_words, typeset, visible
 
 
 @pytest.mark.parametrize(
@@ -50,10 +50,10 @@ def test_a_narrow_interval_shows_a_value_between_its_ends() -> None:
 
 @pytest.mark.parametrize(
     ("part", "printed"),
-    [(0.34, "34%"), (0.021, "2.1%"), (0.00004, "0.004%"), (3e-10, "less than 0.000001%"), (0.0, "0%")],
+    [(0.34, "34 %"), (0.021, "2.1 %"), (0.00004, "0.004 %"), (3e-10, "less than 0.000001 %"), (0.0, "0 %")],
 )
 def test_a_share_never_reads_zero_unless_it_is(part: float, printed: str) -> None:
-    assert share(part) == printed
+    assert per_cent(part) == printed
 
 
 def test_the_terminal_uses_the_same_words() -> None:
@@ -63,7 +63,7 @@ def test_the_terminal_uses_the_same_words() -> None:
 
 
 def test_sentences_are_typeset() -> None:
-    assert typeset("f <= 5.23e-08, raised from 1e-09: 95% of 3e2") == "f <= 5.23·10⁻⁸, raised from 10⁻⁹: 95\xa0% of 3e2"
+    assert typeset("f <= 5.23e-08, from 1e-09: 95 % of 3e2") == "f <= 5.23·10⁻⁸, from 10⁻⁹: 95\xa0% of 3e2"
     assert typeset("parameter_1e-5 stays") == "parameter_1e-5 stays"
 
 

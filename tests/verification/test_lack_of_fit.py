@@ -48,7 +48,7 @@ def test_without_a_degree_of_freedom_intervals_say_that_they_rest_on_the_stated_
     found = linearised(problem, [1.0, 1.0], noise=0.1)
     assert found.fit.kind == "untested"
     assert found.interval("b") == pytest.approx((1 - 1.96 * 0.1 / 2**0.5, 1 + 1.96 * 0.1 / 2**0.5), abs=1e-3)
-    assert found.interval_in_words("b") == "its 95% interval by linearisation, if the stated error holds,"
+    assert found.interval_in_words("b") == "its 95 % interval by linearisation, if the stated error holds,"
 
 
 def test_the_verdict_says_where_and_by_how_much() -> None:

@@ -91,7 +91,7 @@ export function moment(timestamp) {
   return timestamp ? new Date(timestamp).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "medium" }) : "–";
 }
 
-const SYMBOLS = { lambda_star: "λ*", kappa_star: "κ*", mu_star: "μ*", phi: "φ", psi: "ψ", nu_ur: "ν_ur" };
+const SYMBOLS = { lambda_star: "λ*", kappa_star: "κ*", mu_star: "μ*", lambda: "λ", kappa: "κ", phi: "φ", psi: "ψ", nu: "ν", nu_ur: "ν_ur" };
 
 /** A parameter's label in the field's letters; names with a part before a dot keep it. */
 export function symbol(name) {

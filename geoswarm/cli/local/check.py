@@ -14,6 +14,7 @@ from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number
 from geoswarm.cli.words.programs import facts_of_run
 from geoswarm.cli.words.warnings import warn_of_many_points
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from geoswarm.solver.external.trial import TrialRun
@@ -68,7 +69,6 @@ def _show(problem: Problem, check: CheckReport) -> None:
     from geoswarm.cli.words.labels import parameter_rows, root_mean_square, with_unit
     from geoswarm.solver.problem.weighting import by_test, series_shares
     from geoswarm.solver.report.curves import objective_unit
-    from geoswarm.solver.words import share
 
     run = check.test_run
     shares = series_shares(problem, run.misfits) if run.misfits else []
@@ -105,8 +105,8 @@ def _show(problem: Problem, check: CheckReport) -> None:
             (
                 one.series,
                 number(one.weight),
-                share(round(one.share, 9)),
-                *((share(round(tests[one.test], 9)),) if tests else ()),
+                per_cent(round(one.share, 9)),
+                *((per_cent(round(tests[one.test], 9)),) if tests else ()),
                 *((number(one.readings),) if counted else ()),
             )
             for one in check.shares

@@ -13,6 +13,7 @@ from geoswarm.cli.options import json_option, problem_argument, read_values, val
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import Evaluation
@@ -129,7 +130,7 @@ def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation)
                 with_unit(number(curve.at_points[-1]), curve.y_unit),
                 root_mean_square(share),
                 number(share.misfit),
-                f"{share.share:.0%}",
+                per_cent(share.share),
             )
         )
     echo_table(

@@ -13,6 +13,7 @@ from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.service.connection import SLOW_ANSWER, connect, find_calibration
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, ends, note, number
 from geoswarm.cli.words.result import interval_heading, show_fit
+from geoswarm.solver.words import per_cent
 
 __all__ = ["posterior_command", "show_findings"]
 
@@ -50,7 +51,7 @@ def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: s
         (parameter, number(found["medians"][parameter]), *_ends(interval))
         for parameter, interval in found["intervals"].items()
     ]
-    echo_table(name, ("parameter", "median", f"{found['level']:.0%} from", "to"), rows, right=(1, 2, 3))
+    echo_table(name, ("parameter", "median", f"{per_cent(found['level'])} from", "to"), rows, right=(1, 2, 3))
     facts = {
         "samples": f"{found['samples']}, equivalent to {found['effective']} independent samples",
         "surface": f"error of the log-likelihood {number(found['surface_error'], 2)}, "

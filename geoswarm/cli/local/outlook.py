@@ -16,6 +16,7 @@ from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.service.connection import SLOW_ANSWER, connect, find_job
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.output import echo_json, echo_table, ends, note, number
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
@@ -308,7 +309,7 @@ def _show_prediction(found: Mapping[str, Any]) -> None:
             if reading:
                 cells += ends(one["reading_lower"][i], one["reading_upper"][i])
             rows.append(cells)
-        level = f"{found['level']:.0%}"
+        level = per_cent(found["level"])
         columns = [_axis(one["x_quantity"], one["x_unit"]), "median", f"{level} from", "to"]
         columns += [f"readings {level} from", "to"] if reading else []
         title = f"{found['name']}: {_axis(one['series'], one['y_unit'])}"
@@ -334,10 +335,10 @@ def _show_design(found: Mapping[str, Any]) -> None:
         parts = [one["parameters"][name] for name in names] + [one["widths"], one["volume"]]
         parts += [one["prediction"]] if found["predicted"] is not None else []
         parts += [one["distinguishes"]] if several else []
-        cells = [one["name"], str(one["readings"]), *("-" if part is None else f"{part:.0%}" for part in parts)]
+        cells = [one["name"], str(one["readings"]), *("-" if part is None else per_cent(part) for part in parts)]
         cells += [number(one["cost"]), number(one["per_cost"], 3)] if costs else []
         rows.append(cells)
-    title = f"{found['name']}: expected reduction of the width of each 95% interval"
+    title = f"{found['name']}: expected reduction of the width of each 95 % interval"
     echo_table(title, columns, rows, right=tuple(range(1, len(columns))))
     by = {"widths": "all intervals", "volume": "their common region", "prediction": f"{found['predicted']}"}
     click.echo(f"  Take first: {first['name']} (by {by[found['criterion']]}).")

@@ -14,6 +14,7 @@ from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.service.connection import connect, find_calibration
 from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
+from geoswarm.solver.words import per_cent
 
 __all__ = ["reweight_command"]
 
@@ -90,7 +91,7 @@ def _of_folder(folder: Path, options: dict[str, Any]) -> dict[str, Any]:
 
 def _show(found: dict[str, Any]) -> None:
     rows = [
-        (w["series"], number(w["weight"]), number(w["misfit"]), "-" if w["share"] is None else f"{w['share']:.0%}")
+        (w["series"], number(w["weight"]), number(w["misfit"]), "-" if w["share"] is None else per_cent(w["share"]))
         for w in found["weights"]
     ]
     echo_table(None, ("series", "weight", "misfit", "share of the objective"), rows, right=(1, 2, 3))

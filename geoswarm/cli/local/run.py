@@ -20,6 +20,7 @@ from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from geoswarm.cli.words.result import show_fit, show_values
 from geoswarm.cli.words.warnings import warn_of_many_points
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from geoswarm.solver.calibration import WarmStartRuns
@@ -224,8 +225,8 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
             number(s.weight),
             number(s.misfit),
             root_mean_square(s),
-            f"{s.share:.0%}",
-            *((f"{tests[s.test]:.0%}",) if tests else ()),
+            per_cent(s.share),
+            *((per_cent(tests[s.test]),) if tests else ()),
         )
         for s in shares
     ]

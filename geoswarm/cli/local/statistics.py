@@ -17,6 +17,7 @@ from geoswarm.cli.service.connection import connect, find_calibration
 from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, number
 from geoswarm.cli.words.result import show_fit
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
@@ -106,7 +107,8 @@ def _show(name: str, found: Mapping[str, Any]) -> None:
         ]
         echo_table(None, ("pair", "Pearson r", "95 % interval", "good fits"), cells, right=(1, 2, 3))
     weights = [
-        (w["series"], number(w["weight"]), "-" if w["share"] is None else f"{w['share']:.0%}") for w in found["weights"]
+        (w["series"], number(w["weight"]), "-" if w["share"] is None else per_cent(w["share"]))
+        for w in found["weights"]
     ]
     echo_table(None, ("series", "weight", "share of the best objective"), weights, right=(1, 2))
     facts = {

@@ -10,6 +10,7 @@ import click
 
 from geoswarm.cli.words.labels import symbol_and_unit
 from geoswarm.cli.words.output import echo_table, ends, note, number
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
@@ -38,7 +39,7 @@ def interval_heading(level: float, fit: Mapping[str, Any] | None) -> tuple[str, 
     from geoswarm.solver.identifiability.misfits import SHORT
 
     doubt = "" if fit is None or fit["tests"] else SHORT.get(fit["kind"], "")
-    return f"{level:.0%} from" + (f" ({doubt})" if doubt else ""), "to"
+    return f"{per_cent(level)} from" + (f" ({doubt})" if doubt else ""), "to"
 
 
 def values_json(found: Mapping[str, Any] | None) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from geoswarm.solver.identifiability.optimum.combinations import Combination
 from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
 from geoswarm.solver.identifiability.residuals.dependence import ALLOWANCES, Dependence
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
+from geoswarm.solver.words import per_cent
 
 __all__ = ["BENDS", "CORRECTED", "IntervalBasis", "LinearModel", "Linearisation"]
 
@@ -262,12 +263,13 @@ class Linearisation:
         return ", ".join(part for part in (how, self._allowance(name)) if part)
 
     def interval_in_words(self, name: str) -> str:
-        """Which interval it has: "its 95% interval by linearisation"."""
+        """Which interval it has: "its 95 % interval by linearisation"."""
         looked = bool(np.isfinite(self.bending_of(name)))
         how = {"linearised": " at the optimum" if looked else " by linearisation"}
         how |= {"moved": " by likelihood", "profile": " by likelihood"}
         allowance = self._allowance(name)
-        words = f"its {self.level:.0%} interval{how.get(self.basis(name), '')}{f', {allowance},' if allowance else ''}"
+        words = f"its {per_cent(self.level)} interval{how.get(self.basis(name), '')}"
+        words += f", {allowance}," if allowance else ""
         untold = self.noise is not None and self.noise.origin == "known" and self.degrees_of_freedom < 1
         return f"{words.rstrip(',')}, if the stated error holds," if untold else words
 

@@ -15,6 +15,7 @@ from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.units import convert
+from geoswarm.solver.words import per_cent
 
 __all__ = ["BasinOutcome", "Prediction", "PredictedSeries", "prediction_of", "weighted_quantiles"]
 
@@ -214,8 +215,8 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
     if loose:
         worst = max(one.end_error for one in series)
         remarks.append(
-            f"the ends of the band of {', '.join(loose)} are known to {worst:.0%} of its width only, by two halves of "
-            "the runs; more runs (--runs) sharpen them"
+            f"the ends of the band of {', '.join(loose)} are known to {per_cent(worst)} of its width only, by two "
+            "halves of the runs; more runs (--runs) sharpen them"
         )
     curved = [one.series for one in series if one.straight < _BENT]
     if curved:

@@ -10,6 +10,7 @@ from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.optimum.differences import Jacobian
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.surface import ResponseSurface, fit_surface
+from geoswarm.solver.words import per_cent
 
 __all__ = ["jacobian_from_samples"]
 
@@ -35,7 +36,7 @@ def jacobian_from_samples(calibration: Calibration, samples: Samples) -> Jacobia
     if surface.objective_error > _TRUSTED_OBJECTIVE:
         raise StatisticsError(
             f"stored evaluations are not dense enough for sensitivities: predicted objectives are off by "
-            f"{surface.objective_error:.1%} (at most {_TRUSTED_OBJECTIVE:.0%}); evaluate around the optimum"
+            f"{per_cent(surface.objective_error)} (at most {per_cent(_TRUSTED_OBJECTIVE)}); evaluate around the optimum"
         )
     best = samples.best
     unit = samples.unit[best]
@@ -49,12 +50,12 @@ def jacobian_from_samples(calibration: Calibration, samples: Samples) -> Jacobia
         name = samples.names[int(np.argmax(relative))]
         raise StatisticsError(
             f"stored evaluations are not dense enough for sensitivities: that to {name} is uncertain by "
-            f"{relative.max():.0%} (at most {_LARGEST_ERROR:.0%}); evaluate around the optimum"
+            f"{per_cent(relative.max())} (at most {per_cent(_LARGEST_ERROR)}); evaluate around the optimum"
         )
     singular = np.linalg.svd(columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300), compute_uv=False)
     if relative.max() > _LARGEST_ERROR * singular[-1] / singular[0]:
         raise StatisticsError(
-            f"stored evaluations are not dense enough for sensitivities: uncertain by {relative.max():.1%}, they "
+            f"stored evaluations are not dense enough for sensitivities: uncertain by {per_cent(relative.max())}, they "
             "cannot tell the parameters from each other; evaluate around the optimum"
         )
     observed = calibration.objective.observed

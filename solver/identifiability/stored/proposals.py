@@ -15,7 +15,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.projections import Projection
-from geoswarm.solver.words import ends
+from geoswarm.solver.words import ends, per_cent
 
 __all__ = ["FittedLine", "Proposal", "ProposalKind", "apply_changes", "fit_line", "propose"]
 
@@ -201,7 +201,7 @@ def propose(
 
 
 def _link(line: FittedLine) -> Proposal:
-    scatter = f"the good fits scatter {line.residual:.1%} around it"
+    scatter = f"the good fits scatter {per_cent(line.residual)} around it"
     low, high = ends(line.lower, line.upper, plain=True)
     sentence = (
         f"Link {line.parameter} to {line.partner}: {line.parameter} = {line.expression} "

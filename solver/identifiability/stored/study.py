@@ -35,7 +35,7 @@ from geoswarm.solver.identifiability.stored.verdict_words import where_intervals
 from geoswarm.solver.identifiability.stored.verdicts import Beyond, Verdict, judge
 from geoswarm.solver.methods.registry import find_method
 from geoswarm.solver.problem.weighting import SeriesShare, series_shares
-from geoswarm.solver.words import share
+from geoswarm.solver.words import per_cent
 
 __all__ = ["NOT_AT_OPTIMUM", "TOO_FEW_POINTS", "Basins", "Statistics", "analyse"]
 
@@ -318,7 +318,7 @@ def analyse(
         warnings += [_left(samples, other, lowest) for other in basins.unfinished]
         warnings += [ON_BOUND.format(name=name, side=side) for name, side in linearisation.held]
         if is_sparse(basins.hidden):
-            warnings.append(SPARSE_RUNS.format(hidden=share(basins.hidden)))
+            warnings.append(SPARSE_RUNS.format(hidden=per_cent(basins.hidden)))
     if points < samples.dimension:
         warnings.insert(0, TOO_FEW_POINTS.format(points=points, free=samples.dimension))
     if samples.size and samples.source != "mixed" and (bias := find_method(samples.method).bias):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, assert_never
 
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.residuals.readings import FEWEST_FREE
-from geoswarm.solver.words import ends, listed, share
+from geoswarm.solver.words import ends, listed, per_cent
 
 if TYPE_CHECKING:
     from geoswarm.solver.identifiability.stored.verdicts import Evidence, VerdictCode, VerdictKind
@@ -134,7 +134,7 @@ def _at_optimum(name: str, kind: VerdictKind, code: VerdictCode, evidence: Evide
     if code == "nonlinear":
         return (
             f"{interval}, but the model is nonlinear there, and the interval by likelihood differs by about "
-            f"{share(found.bending_of(name))} on one side"
+            f"{per_cent(found.bending_of(name))} on one side"
         )
     width = f"{interval}, {_part(evidence)}"
     if (bound := _bound(evidence)) is not None:
@@ -191,7 +191,7 @@ def _ends(evidence: Evidence) -> tuple[str, str]:
 
 
 def _part(evidence: Evidence) -> str:
-    return f"{share(evidence.width_ratio or 0.0)} of the searched range"
+    return f"{per_cent(evidence.width_ratio or 0.0)} of the searched range"
 
 
 def _bound(evidence: Evidence) -> str | None:
@@ -210,4 +210,4 @@ def _distinct(values: tuple[float, ...]) -> list[str]:
 
 
 def _share(hidden: float) -> str:
-    return "below 0.1%" if hidden < _SMALLEST else share(hidden)
+    return "below 0.1 %" if hidden < _SMALLEST else per_cent(hidden)

@@ -9,7 +9,7 @@ from geoswarm.solver.identifiability.worth.outcome import Design
 from geoswarm.solver.report.document.parts import Table
 from geoswarm.solver.report.figures.labels import ParameterLabel
 from geoswarm.solver.report.figures.outlook.design_plot import CRITERIA
-from geoswarm.solver.words import number
+from geoswarm.solver.words import number, per_cent
 
 __all__ = ["design_table", "prediction_table"]
 
@@ -36,7 +36,7 @@ def prediction_table(prediction: Prediction) -> Table:
                     else "–"
                 )
             rows.append((*cells, one.y_unit or "–"))
-    level = f"{prediction.level:.0%}".replace("%", " %")
+    level = per_cent(prediction.level)
     columns = ("series", "x", "median", f"{level} band", *((f"{level} of readings",) if reading else ()), "unit")
     said = " ".join(((prediction.alarm,) if prediction.alarm else ()) + prediction.remarks)
     inside = [
@@ -74,4 +74,4 @@ def design_table(design: Design, labels: Mapping[str, ParameterLabel]) -> Table:
 
 
 def _part(value: float | None) -> str:
-    return "–" if value is None else f"{value:.0%}".replace("%", " %")
+    return "–" if value is None else per_cent(value)

@@ -11,7 +11,7 @@ from geoswarm.solver.report.curves import objective_unit
 from geoswarm.solver.report.document.parts import Table
 from geoswarm.solver.report.record import BestFit
 from geoswarm.solver.units import convert
-from geoswarm.solver.words import number
+from geoswarm.solver.words import number, per_cent
 
 __all__ = ["comparison_table", "series_table"]
 
@@ -88,4 +88,4 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{share:.1%}".replace("%", " %")
+    return per_cent(share)

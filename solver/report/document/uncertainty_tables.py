@@ -13,7 +13,7 @@ from geoswarm.solver.report.document.outlook_tables import design_table, predict
 from geoswarm.solver.report.document.parts import Table
 from geoswarm.solver.report.figures.labels import ParameterLabel
 from geoswarm.solver.report.uncertainty import Uncertainty
-from geoswarm.solver.words import ends, number
+from geoswarm.solver.words import ends, number, per_cent
 
 __all__ = ["left_out_table", "uncertainty_tables"]
 
@@ -67,7 +67,7 @@ def _posterior_table(posterior: Posterior, labels: dict[str, ParameterLabel]) ->
         f"{number(posterior.surface_error, 2)}: {trusted}. "
         "It holds within the sampled region only. A dash: the sample reaches the edge of that region."
     )
-    interval = f"{posterior.level:.0%} credible interval".replace("%", " %")
+    interval = f"{per_cent(posterior.level)} credible interval"
     return Table("Posterior sample", ("parameter", "median", interval, "unit"), tuple(rows), (1,), note)
 
 

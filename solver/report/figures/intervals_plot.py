@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.labels import ParameterLabel
 from geoswarm.solver.report.figures.style import BLUE, GRID, INK, ORANGE, drawing, head, plain_ticks
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -76,7 +77,7 @@ def intervals_figure(title: str, rows: Sequence[IntervalRow]) -> Figure:
                     marker="|",
                     markersize=10,
                     linewidth=2.0,
-                    label=f"{row.level:.0%} interval at the optimum".replace("%", " %"),
+                    label=f"{per_cent(row.level)} interval at the optimum",
                 )
             axes.plot(
                 row.value,

@@ -81,7 +81,7 @@ def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFix
     assert told(capsys)["linearisation"]["at_optimum"] is False  # type: ignore[index]
     assert main(["profile", problem, "--at", "a=1", "--at", "b=2", "--parameter", "b", "--noise", "y=0.05"]) == 0
     shown = capsys.readouterr().out
-    assert "95% from" in shown
+    assert "95 % from" in shown
     assert main(["sensitivity", problem, "--noise", "much"]) == 2
     assert "--noise must be a number, or SERIES=NUMBER; got much" in capsys.readouterr().err
 

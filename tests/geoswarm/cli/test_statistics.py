@@ -106,7 +106,7 @@ def test_reweight_tells_shares_and_writes_the_problem(
 ) -> None:
     changed = tmp_path / "changed.json"
     assert main(["reweight", str(folder), "--weight", "y=4", "--output", str(changed)]) == 0
-    assert "100%" in capsys.readouterr().out
+    assert "100 %" in capsys.readouterr().out
     assert load_problem(changed).observations[0].weight == 4.0
     assert main(["reweight", str(folder), "--weighting", "by_error", "--noise", "y=0.1", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)

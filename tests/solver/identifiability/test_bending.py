@@ -86,7 +86,7 @@ def test_a_slightly_bent_interval_is_moved_by_its_two_runs(noise: float) -> None
         np.testing.assert_allclose(by_likelihood.intervals[0], expected, atol=0.1 * np.ptp(expected) / 2.0)
         apart = np.abs(by_likelihood.intervals[0] - expected).max()
         assert apart < 0.5 * np.abs(found.intervals[0] - expected).max()
-        assert by_likelihood.interval_in_words("k") == "its 95% interval by likelihood"
+        assert by_likelihood.interval_in_words("k") == "its 95 % interval by likelihood"
         assert by_likelihood.to_json()["parameters"]["k"]["interval_basis"] == "moved"
         assert by_likelihood.unit_width("k") == pytest.approx(np.ptp(by_likelihood.intervals[0]) / 19.99)
     assert moved >= 2
@@ -204,5 +204,5 @@ def test_without_a_profile_a_bent_interval_is_no_plain_one() -> None:
 def test_intervals_that_nobody_looked_at_say_so() -> None:
     calibration, found = linearised(decay(), [0.7])
     assert np.isnan(found.bending).all()
-    assert found.interval_in_words("k") == "its 95% interval by linearisation"
-    assert likelihood_intervals(calibration, found).interval_in_words("k") == "its 95% interval by likelihood"
+    assert found.interval_in_words("k") == "its 95 % interval by linearisation"
+    assert likelihood_intervals(calibration, found).interval_in_words("k") == "its 95 % interval by likelihood"

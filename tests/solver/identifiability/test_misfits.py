@@ -20,7 +20,7 @@ END = " The parameters are those of the closest curve, and their intervals do no
 def test_one_series() -> None:
     assert sentence_of([Q]) == (
         "The model does not describe q: it misses the readings by up to 21 kPa (calculated below measured, near 0.1 "
-        "%), root mean square 8.1 kPa; noise has such a pattern with a probability below 0.2%." + END
+        "%), root mean square 8.1 kPa; noise has such a pattern with a probability below 0.2 %." + END
     )
 
 
@@ -39,9 +39,9 @@ def test_each_of_several_series_is_named() -> None:
         "%), root mean square 8.1 kPa; u by up to 9 kPa (calculated above measured, near 0.1 %), root mean square 3 "
         "kPa; v by"
     )
-    assert "; and 1 other; of each, noise has such a pattern with a probability below 0.2%." + END in found
+    assert "; and 1 other; of each, noise has such a pattern with a probability below 0.2 %." + END in found
     found = sentence_of([Q, replace(u, stage=5, reason="repeats")])
-    assert "probability below 0.2%; u in stage 5 by up to 9 kPa" in found
+    assert "probability below 0.2 %; u in stage 5 by up to 9 kPa" in found
     assert "near 0.1 %); more than the scatter of repeats explains." in found
 
 
@@ -49,8 +49,8 @@ def test_many_series_are_said_by_quantity() -> None:
     many = [replace(Q, series=f"t{number}.q") for number in range(12)]
     close = [Closeness("q", 12, 21.0, 8.1, 0.04, "kPa"), Closeness("volumetric strain", 12, 0.3, 0.12, None, "%")]
     assert sentence_of(many, close, tests=12) == (
-        "The model does not describe 12 series: noise has such a pattern with a probability below 0.2%. Over all "
-        "readings, q is met within 21 kPa (root mean square 8.1 kPa, peaks within 4.0%) and volumetric strain is met "
+        "The model does not describe 12 series: noise has such a pattern with a probability below 0.2 %. Over all "
+        "readings, q is met within 21 kPa (root mean square 8.1 kPa, peaks within 4 %) and volumetric strain is met "
         "within 0.3 % (root mean square 0.12 %). The parameters are those of the closest curve, and their intervals "
         "count each of the 12 tests as one piece of information."
     )

@@ -17,11 +17,11 @@ RUNS = Evidence("sampling", 42, 2.5, 3.5, 0.21, open_below=False, open_above=Fal
 OPTIMUM = Evidence("linearisation", 0, 2.5, 3.5, 0.21, open_below=False, open_above=False)
 NOTHING = Evidence("none", 3)
 TIED: dict[str, Any] = {"partners": (("b", -0.97), ("c", 0.62)), "partner_intervals": ((-0.98, -0.95), (0.51, 0.73))}
-RANGE = ("2.5", "3.5", "21%")
+RANGE = ("2.5", "3.5", "21 %")
 
 CASES: list[tuple[VerdictKind, VerdictCode, Evidence, tuple[str, ...]]] = [
     ("identified", "width", RUNS, ("42 good fits", *RANGE)),
-    ("identified", "width", replace(OPTIMUM, hidden=0.37), ("its 95% interval", *RANGE)),
+    ("identified", "width", replace(OPTIMUM, hidden=0.37), ("its 95 % interval", *RANGE)),
     ("bounded_on_one_side", "width", replace(RUNS, open_below=True), (*RANGE, "reach the lower bound")),
     ("bounded_on_one_side", "width", replace(OPTIMUM, open_above=True), (*RANGE, "up to the upper bound")),
     ("not_identified", "width", replace(RUNS, unimodal=False), (*RANGE, "more than one group")),
@@ -35,7 +35,7 @@ CASES: list[tuple[VerdictKind, VerdictCode, Evidence, tuple[str, ...]]] = [
     ("in_combination", "tied", replace(OPTIMUM, partners=(("b", None), ("c", None))), ("b and c",)),
     ("in_combination", "correlated", replace(RUNS, **TIED), ("r = -0.97 (-0.98 to -0.95) with b", "0.62", "c", *RANGE)),
     ("undecided", "not_minimum", OPTIMUM, ("2.5 to 3.5", "3.2 standard errors")),
-    ("undecided", "nonlinear", OPTIMUM, ("2.5 to 3.5", "44%")),
+    ("undecided", "nonlinear", OPTIMUM, ("2.5 to 3.5", "44 %")),
     ("undecided", "no_error", replace(OPTIMUM, exact=True, spare=1), ("is only 1 more reading than",)),
     ("undecided", "no_error", replace(OPTIMUM, exact=True, spare=3), ("are only 3 more readings than",)),
     ("undecided", "unexplored", replace(OPTIMUM, elsewhere=(7.25, 8.5)), (*RANGE, "a = 7.25 and 8.5")),
@@ -78,9 +78,9 @@ def test_an_interval_says_where_it_holds_and_what_its_error_comes_from(found: Li
         return in_words("a", kind, "width", replace(OPTIMUM, **known), found)[1]
 
     assert said().endswith("; it holds within its basin.")
-    assert "one like it could still hide in 4.0% of the searched space" in said(hidden=0.04)
+    assert "one like it could still hide in 4 % of the searched space" in said(hidden=0.04)
     assert said(hidden=0.37).startswith("a is identified within one basin only: ")
-    assert "the runs are sparse, and one like it could still hide in 37%" in said(hidden=0.37)
+    assert "the runs are sparse, and one like it could still hide in 37 %" in said(hidden=0.37)
     assert "estimated from only 3 more readings than parameters" in said(hidden=0.04, spare=3)
     assert "the width is that of rounding" in said(hidden=0.04, exact=True, spare=9)
     assert "basin" not in said("not_identified", hidden=0.04, spare=3)

@@ -33,7 +33,7 @@ def warnings(*weights: float, **more: Any) -> list[str]:
 def test_different_units_without_weights_are_a_warning_with_the_shares() -> None:
     assert warnings(1.0, 1.0, 1.0) == [
         "series of different units (kPa and no unit) add up without weights: if each is missed by the same part of its "
-        "range, q has 100% and 2 of 3 series have less than 1% of the objective. weighting: by_range counts every "
+        "range, q has 100 % and 2 of 3 series have less than 1 % of the objective. weighting: by_range counts every "
         "series alike, by_test every test, by_error every reading by its error"
     ]
 

@@ -11,6 +11,17 @@ import { unitChoices } from "./readings.js";
 
 const MOST = 300, HEIGHT = 430, LEAST = 105, CAPTION = 36, LETTER = 6.2, RIGHT = 8, TOP = 6, BOTTOM = 34; // px
 
+const partOf = (series) => series.slice(0, Math.max(series.indexOf("."), 0));
+
+/** "cell 50: volumetric strain": the test, where there are several, and what was measured. */
+const headed = (series) => plain(series.replace(".", ": "));
+
+/** Those of one test beside each other, in the order of the tests. */
+function byTest(all) {
+  const tests = [...new Set(all.map(({ test }) => test))];
+  return all.sort((a, b) => tests.indexOf(a.test) - tests.indexOf(b.test));
+}
+
 /** What one series of a fit shows: {title, note, x, y, line, first, gross, ...}; places where a line breaks are null. */
 function ofSeries(fit, one) {
   const values = (role) => fit.curves.find((curve) => curve.role === role)?.values[one.series] ?? null;
@@ -20,7 +31,7 @@ function ofSeries(fit, one) {
   const x = stages.long ? stages.place : one.x;
   const line = (y) => y && (stages.long ? broken(x, stages.stage, y) : { x, y });
   return {
-    name: one.series, title: plain(one.series), x, y: one.measured, line: line(values("best")), first: line(values("initial")),
+    test: partOf(one.series), title: headed(one.series), x, y: one.measured, line: line(values("best")), first: line(values("initial")),
     note: share ? [element("abbr", { title: "root mean square" }, "RMS"), ` ${amount(share.root_mean_square, share.unit)}`] : null,
     gross: stages.long ? null : { x: one.gross_x, y: one.gross_measured },
     down: "autorange" in direction(one.series, one.y_quantity), log: false,
@@ -32,7 +43,7 @@ function ofSeries(fit, one) {
 /** The same of a diagram of a test. */
 function ofDiagram(one) {
   return {
-    name: one.name, title: headingOf(one), x: one.measured_x, y: one.measured_y, line: { x: one.x, y: one.y }, first: null, note: null, gross: null,
+    test: one.test || "", title: plain(headingOf(one)), x: one.measured_x, y: one.measured_y, line: { x: one.x, y: one.y }, first: null, note: null, gross: null,
     down: one.downwards, log: one.log, across: withUnit(one.x_quantity, one.x_unit), up: withUnit(one.y_quantity, one.y_unit), marks: null,
   };
 }
@@ -108,7 +119,7 @@ export function glance(view) {
 
   function draw() {
     if (!view.fit) return;
-    const all = [...view.fit.series.map((one) => ofSeries(view.fit, one)), ...diagrams.map(ofDiagram)];
+    const all = byTest([...view.fit.series.map((one) => ofSeries(view.fit, one)), ...diagrams.map(ofDiagram)]);
     const best = view.fit.curves.some(({ role }) => role === "best");
     width = place.clientWidth;
     const columns = width < 480 ? (all.length > 2 ? 2 : 1) : all.length < 2 ? 1 : all.length < 5 ? 2 : all.length < 10 ? 3 : 4;

@@ -8,7 +8,14 @@ import { colour, palette, plot } from "../plot.js";
 import { ENDED, OPEN } from "../states.js";
 
 const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened for correlated residuals", uneven: " (widened for uneven residuals", possible: " (widened for a correlation that so few readings cannot exclude", stated: " (widened for correlated noise, as stated", tests: " (widened for tests that differ", moved: " (by likelihood from one run at each end)", profile: " (by likelihood)" };
-const widened = ({ bent, interval_basis: basis, widening }) => bent || !["correlated", "uneven", "possible", "stated", "tests"].includes(basis) ? "" : widening ? ` by a factor of ${number(widening, 2)})` : ")";
+
+/** What an interval rests on; a factor that rounds to 1 is not said. */
+function basisOf({ bent, interval_basis: basis, widening }) {
+  const words = BASES[bent ? "bent" : basis] ?? "";
+  if (!words || words.endsWith(")")) return words;
+  return widening && widening < 1.05 ? "" : `${words}${widening ? ` by a factor of ${number(widening, 2)}` : ""})`;
+}
+
 const AGAIN_SECONDS = 2;
 
 const KINDS = [
@@ -100,7 +107,7 @@ export class Uncertainty {
     if (!linearisation) return [element("p", { class: "empty" }, "No sensitivities at the optimum have been evaluated yet."), ...remarks];
     const rows = Object.entries(linearisation.parameters).map(([name, at]) => element("tr", {}, element("th", { scope: "row" }, `${symbol(name)}${this.units[name] === "-" ? "" : ` [${this.units[name]}]`}`),
       element("td", { class: "n" }, number(at.value, 5)), element("td", { class: "n" }, number(at.standard_error, 3)),
-      element("td", {}, at.interval ? `${ends(...at.interval)}${BASES[at.bent ? "bent" : at.interval_basis] ?? ""}${widened(at)}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
+      element("td", {}, at.interval ? `${ends(...at.interval)}${basisOf(at)}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
     const head = ["Parameter", "At the optimum", "Standard error", `${percent(linearisation.level)} interval${doubt(fit) ? `: does not hold. ${doubt(fit)}` : ""}`, "Influence"];
     const where = linearisation.at_optimum || linearisation.distance.every((d) => d === null) ? "" : "The search had not reached the minimum: these values are those of a point near it.";
     return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...this.withoutTests(linearisation.without_tests), ...remarks];

@@ -23,7 +23,7 @@ from geoswarm.solver.report.figures.style import (
     point_settlement_down,
     with_unit,
 )
-from geoswarm.solver.words import share
+from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -85,7 +85,7 @@ def prediction_rows(prediction: Prediction) -> tuple[list[str], list[list[object
 
 
 def _panel(axes: Axes, one: PredictedSeries, prediction: Prediction) -> None:
-    level = f"{prediction.level:.0%}".replace("%", " %")
+    level = per_cent(prediction.level)
     few = one.x.size < 3
     several = len(prediction.basins) > 1
     if one.reading_lower is not None and one.reading_upper is not None:
@@ -103,7 +103,7 @@ def _panel(axes: Axes, one: PredictedSeries, prediction: Prediction) -> None:
         )
     if several:
         for number, basin in enumerate(prediction.basins):
-            colour, part = _COLOURS[number % len(_COLOURS)], f"basin {number + 1}, {share(basin.share)}"
+            colour, part = _COLOURS[number % len(_COLOURS)], f"basin {number + 1}, {per_cent(basin.share)}"
             low, high, curve = one.basin_lower[number], one.basin_upper[number], one.optima[number]
             if np.isfinite(curve).all():
                 style = {"marker": "D", "markersize": 3.5, "linestyle": "none"} if few else {"linestyle": "--"}
