@@ -45,8 +45,8 @@ FOLLOW_UP = """\
 ### Follow-ups
 
 The methods below evaluate more about the optimum of a job that has ended, or about the whole space between the bounds.
-`geoswarm sensitivity`, `profile` and `influence` write and submit such problems. They end by themselves; a criterion
-under `stopping` ends them earlier.
+`geoswarm sensitivity`, `profile`, `jackknife` and `influence` write and submit such problems. They end by themselves; a
+criterion under `stopping` ends them earlier.
 """
 
 OBSERVATIONS = """\

@@ -49,7 +49,15 @@ class Course:
         initial = np.array([np.nan if p.initial is None else p.initial for p in problem.free])
         quick = problem.forward_model.quick
         self._maker = problem.method.maker(
-            Task(calibration.space, calibration.seed, initial, problem.planned_evaluations, calibration.offered, quick)
+            Task(
+                calibration.space,
+                calibration.seed,
+                initial,
+                problem.planned_evaluations,
+                calibration.offered,
+                quick,
+                problem.series_by_test,
+            )
         )
 
     def start(self, slots: int = 1) -> Progress:

@@ -12,6 +12,7 @@ __all__ = [
     "FigureList",
     "GlobalRequest",
     "PredictRequest",
+    "JackknifeRequest",
     "ProfileRequest",
     "SensitivityRequest",
 ]
@@ -47,6 +48,15 @@ class ProfileRequest(_Request):
     parameters: list[str] | None = Field(None, min_length=1, max_length=100, description="all free ones if absent")
     noise: dict[str, float] | float | None = Field(
         None, description="known standard deviation of a reading, base units; that of the problem if absent"
+    )
+
+
+class JackknifeRequest(_Request):
+    """Fits without each test of a job."""
+
+    by: Literal["test"] = Field("test", description="what is left out, one at a time")
+    runs: int | None = Field(
+        None, ge=2, le=100_000, description="maximum number of evaluations; 1 + 3 (parameters + tests) if absent"
     )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from geoswarm.calibration.folder import opened_folder, write_folder
+from geoswarm.calibration.jackknife import jackknife
 from geoswarm.calibration.outlook import Predicted, design, predict
 from geoswarm.calibration.runs import Runs
 from geoswarm.solver.errors import SolverError
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
     from geoswarm.solver.calibration import Evaluation
     from geoswarm.solver.identifiability import Statistics
+    from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
     from geoswarm.solver.identifiability.worth.outcome import Design
     from geoswarm.solver.report.document.build import Report
 
@@ -252,6 +254,29 @@ class Result:
         return design(
             report, candidates, predicted=predict, criterion=criterion, draws=draws, noise=noise, workers=workers
         )
+
+    def jackknife(self, *, runs: int | None = None, workers: int = 1) -> WithoutTests:
+        """Fit the parameters again without each test of a combined problem with three tests or more.
+
+        Parameters
+        ----------
+        runs
+            Forward runs at most, which all fits share; 1 + 3 (parameters + tests) when None.
+        workers
+            Number of processes that share the runs.
+
+        Returns
+        -------
+        ``tests``; ``names`` of the parameters; ``values`` without each test, shape (tests, parameters), and
+        ``intervals`` between the tests, shape (parameters, 2), natural values, nan where the other tests do not
+        determine a parameter; ``pulling(name)``: the test without which a parameter moves farthest; ``notes``.
+
+        Raises
+        ------
+        SolverError
+            There are fewer than three tests, or no sensitivities at an optimum.
+        """
+        return jackknife(self._report, runs=runs, workers=workers)
 
     def _with_noise(self, noise: Mapping[str, float] | float | None) -> Report:
         if noise is None:

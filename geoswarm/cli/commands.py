@@ -86,6 +86,11 @@ COMMANDS: dict[str, CommandEntry] = {
         _RESULTS,
         "Calculate profile likelihoods: intervals that hold for nonlinear models, and open ends.",
     ),
+    "jackknife": CommandEntry(
+        "local.follow_ups",
+        _RESULTS,
+        "Fit the parameters again without each test: values, intervals between tests, which test pulls.",
+    ),
     "explore": CommandEntry(
         "local.follow_ups",
         _RESULTS,

@@ -33,7 +33,9 @@ class Progress:
 class FollowUpCost:
     """Estimated runs and time of a follow-up."""
 
-    kind: Literal["sensitivity", "profile", "explore", "sobol", "again"] = described("again: the search as it was")
+    kind: Literal["sensitivity", "profile", "jackknife", "explore", "sobol", "again"] = described(
+        "again: the search as it was"
+    )
     evaluations: int
     exact: bool = described("false: about so many, as the search for the minimum and for steps decides")
     seconds: Number = described("mean time of a run of the job times runs, shared by the free workers; null: not known")

@@ -258,7 +258,7 @@ class Dependence:
 
 @record(closed=True)
 class ParameterWithoutTests:
-    """One parameter without each of the tests, by linearisation."""
+    """One parameter without each of the tests."""
 
     values: dict[str, float | None] = described("by the test left out; null where the others do not determine it")
     interval: tuple[float, float] | None = described("95 %, each test as one piece of information (jackknife)")
@@ -291,7 +291,7 @@ class Linearisation:
         "parameters at a bound beyond which the data pull: the minimum lies on it"
     )
     fit: FitVerdict = described("intervals hold only where the model describes the data")
-    without_tests: WithoutTests | None = described("the values without each test; null with fewer than three")
+    without_tests: WithoutTests | None = described("the values without each test, by linearisation or as fitted")
     dependence: list[Dependence]
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from geoswarm.records.record import Number, described, record
 from geoswarm.records.states import JobState
-from geoswarm.records.statistics import FitVerdict, Linearisation
+from geoswarm.records.statistics import FitVerdict, Linearisation, WithoutTests
 
 __all__ = [
     "CandidateWorth",
@@ -153,7 +153,7 @@ class FollowUp:
     """A job that evaluates more about another one."""
 
     id: str
-    kind: Literal["sensitivity", "profile", "explore", "predict", "design", "sobol", "morris"]
+    kind: Literal["sensitivity", "profile", "jackknife", "explore", "predict", "design", "sobol", "morris"]
     state: JobState
     evaluations: int
 
@@ -171,6 +171,7 @@ class UncertaintyAnswer:
     explored: int = described("successful runs that looked for further basins; /statistics says what they found")
     predictions: list[Prediction]
     designs: list[Design]
+    jackknife: WithoutTests | None = described("the values fitted without each test, by further runs")
     notes: list[str]
     follow_ups: list[FollowUp]
 

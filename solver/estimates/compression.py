@@ -37,12 +37,15 @@ _LOG_LOG = (
     "both together have the least squares."
 )
 
+_BENDS = "the curve of sand bends without any preconsolidation"
+
 
 @dataclass(frozen=True, slots=True)
 class CompressionReadings:
     """Stress, kPa, and void ratio, or minus the strain where ``void_ratio`` is None, at the ends of stages, shape (n,).
 
-    ``confined``: the stress is the vertical one of an oedometer, else an all-round one.
+    ``confined``: the stress is the vertical one of an oedometer, else an all-round one. ``sand``: its curve bends by
+    itself, so that a bend says nothing of the past.
     """
 
     part: str
@@ -50,6 +53,15 @@ class CompressionReadings:
     void_ratio: float | None
     stress: FloatArray
     y: FloatArray
+    sand: bool = False
+
+
+def _is_sand(problem: Problem, spec: Any) -> bool:
+    """Whether the law is one of sand, or index tests of sand are known."""
+    index = problem.index_properties
+    tests = ("min_void_ratio", "max_void_ratio", "relative_density")
+    by_index = any(getattr(index, name, None) is not None for name in tests)
+    return by_index or getattr(spec, "material", None) == "hypoplastic_sand"
 
 
 def compression_readings(problem: Problem, test: LoadTest) -> CompressionReadings | None:
@@ -63,7 +75,7 @@ def compression_readings(problem: Problem, test: LoadTest) -> CompressionReading
     e = spec.initial_void_ratio
     stress = np.array([stage.stress for stage in spec.stages])[stages - 1]
     y = -strain if e is None else e - (1.0 + e) * strain
-    return CompressionReadings(test.part, test.confined, e, stress, y)
+    return CompressionReadings(test.part, test.confined, e, stress, y, _is_sand(problem, spec))
 
 
 def consolidation_readings(problem: Problem, part: ModelPart) -> CompressionReadings | None:
@@ -83,7 +95,8 @@ def consolidation_readings(problem: Problem, part: ModelPart) -> CompressionRead
     loads = np.array([stage.normal_stress if confined else stage.axial for stage in stages])
     e, strain = spec.initial_void_ratio, one.y[order]
     y = -strain if e is None else e - (1.0 + e) * strain
-    return CompressionReadings(part.name, confined, e, loads[np.round(one.x[order]).astype(int) - 1], y)
+    stress = loads[np.round(one.x[order]).astype(int) - 1]
+    return CompressionReadings(part.name, confined, e, stress, y, _is_sand(problem, spec))
 
 
 def compression_values(read: CompressionReadings) -> Iterator[ClassicalValue]:
@@ -92,19 +105,24 @@ def compression_values(read: CompressionReadings) -> Iterator[ClassicalValue]:
     methods: list[tuple[str, str, str, Callable[[FloatArray, FloatArray], float]]] = [
         (f"Cc{under}", "", "steepest part", compression_index),
         (f"Cs{under}", "", "unloading", swelling_index),
-        ("σ′p", "kPa", "Casagrande", lambda s, y: casagrande_construction(s, y).stress),
     ]
-    if read.void_ratio is not None:
+    if not read.sand:
+        methods.append(("σ′p", "kPa", "Casagrande", lambda s, y: casagrande_construction(s, y).stress))
+    if not read.sand and read.void_ratio is not None:
         methods.append(("σ′p", "kPa", "log-log", lambda s, y: log_log_lines(s, y).stress))
     for symbol, unit, method, evaluate in methods:
         try:
             yield ClassicalValue(read.part, symbol, method, float(evaluate(read.stress, read.y)), unit=unit)
         except NoEvaluationError as error:
             yield ClassicalValue(read.part, symbol, method, None, str(error), unit)
+    if read.sand:
+        yield ClassicalValue(read.part, "σ′p", "Casagrande", None, _BENDS, "kPa")
 
 
 def compression_constructions(read: CompressionReadings) -> Iterator[Construction]:
     """Casagrande's construction, and the two lines of the log-log one, where the readings allow them."""
+    if read.sand:
+        return
     stress = "vertical effective stress" if read.confined else "all-round effective stress"
     quantity = "-strain" if read.void_ratio is None else "void ratio"
     with contextlib.suppress(NoEvaluationError):

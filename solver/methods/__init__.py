@@ -9,6 +9,7 @@
 ``monte_carlo``             a sampling
 ``sensitivity``             a follow-up: derivatives at an optimum
 ``profile``                 a follow-up: profile objectives
+``jackknife``               a follow-up: the fits without each of several tests
 ``global_designs``          follow-ups: Sobol indices, elementary effects of Morris
 ``design``                  sensitivities of candidate tests at the optimum of a job and at draws around it: which of
                             them would tell most

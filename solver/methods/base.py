@@ -53,6 +53,8 @@ class Task:
         Runs of earlier jobs; for methods that take offers.
     quick
         Runs of the forward model take milliseconds.
+    tests
+        Name of the test and number of readings of each series, in the order of residuals.
     """
 
     space: SearchSpace
@@ -61,6 +63,7 @@ class Task:
     most: int | None
     offered: Runs | None
     quick: bool = False
+    tests: tuple[tuple[str, int], ...] = ()
 
 
 class Maker(Protocol):

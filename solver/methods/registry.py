@@ -15,6 +15,7 @@ BUILT_IN = {
     "monte_carlo": "geoswarm.solver.methods.monte_carlo:MonteCarloMethod",
     "sensitivity": "geoswarm.solver.methods.sensitivity:SensitivityMethod",
     "profile": "geoswarm.solver.methods.profile:ProfileMethod",
+    "jackknife": "geoswarm.solver.methods.jackknife:JackknifeMethod",
     "explore": "geoswarm.solver.methods.explore:ExploreMethod",
     "predict": "geoswarm.solver.methods.predict:PredictMethod",
     "design": "geoswarm.solver.methods.design:DesignMethod",

@@ -23,7 +23,7 @@ from geoswarm.solver.problem.parameters import (
 )
 from geoswarm.solver.problem.running import Answering, Failures, Limits
 from geoswarm.solver.problem.sections import NoiseSection, Stopping
-from geoswarm.solver.problem.weighting import Weighting
+from geoswarm.solver.problem.weighting import Weighting, test_of
 
 __all__ = ["Problem"]
 
@@ -130,6 +130,14 @@ class Problem:
     def counted_points(self) -> int:
         """Number of measured points that take part: weights of point and series above 0."""
         return sum(int((o.point_weights > 0).sum()) for o in self.observations if o.weight > 0)
+
+    @property
+    def series_by_test(self) -> tuple[tuple[str, int], ...]:
+        """Name of the test and number of points of each series; the name is empty where none of its points counts."""
+        return tuple(
+            (test_of(self.forward_model, o.series) if o.weight > 0 and (o.point_weights > 0).any() else "", o.y.size)
+            for o in self.observations
+        )
 
     @property
     def planned_evaluations(self) -> int | None:

@@ -12,7 +12,6 @@ from scipy.special import ndtri, stdtrit
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability import Linearisation, Statistics, StatisticsError
-from geoswarm.solver.identifiability.errors import NotExaminedError
 from geoswarm.solver.identifiability.noise import Noise, known_noise, problem_noise
 from geoswarm.solver.identifiability.optimum.hidden import is_sparse
 from geoswarm.solver.identifiability.prediction.draws import (
@@ -25,6 +24,7 @@ from geoswarm.solver.identifiability.prediction.draws import (
 from geoswarm.solver.identifiability.prediction.question import MOST_RUNS, predict_problem
 from geoswarm.solver.identifiability.prediction.shapes import shape_of
 from geoswarm.solver.identifiability.residuals.dependence import DependenceKind
+from geoswarm.solver.identifiability.stored.follow_ups import at_minimum
 from geoswarm.solver.identifiability.stored.posterior import Posterior
 from geoswarm.solver.identifiability.worth.candidates import read_candidates, read_predicted
 from geoswarm.solver.identifiability.worth.question import MOST_DRAWS, design_problem
@@ -51,11 +51,6 @@ Source: TypeAlias = Literal["auto", "posterior", "covariance"]
 DEFAULT_RUNS, DEFAULT_LEVEL, DEFAULT_DRAWS = 200, 0.9, 8
 _FEWEST_RUNS = 20
 
-_NOT_THERE = "the sensitivities at the optimum are needed first: start the follow-up sensitivity"
-_MISPLACED = (
-    "the sensitivities are those of a point {far:.1f} standard errors from the minimum: start the follow-up "
-    "sensitivity again, which goes there first"
-)
 _WIDER: dict[DependenceKind, str] = {
     "correlated": "the residuals are correlated",
     "uneven": "the residuals are uneven",
@@ -94,11 +89,7 @@ def known_of(report: Report, noise: KnownNoise = None) -> Known:
     problem, statistics = report.problem, report.statistics
     if statistics is None:
         raise StatisticsError("no evaluation has succeeded yet, so no parameters are identified")
-    found = statistics.linearisation
-    if found is None:
-        raise NotExaminedError(_NOT_THERE)
-    if found.misplaced:
-        raise NotExaminedError(_MISPLACED.format(far=found.far))
+    found = at_minimum(statistics.linearisation)
     calibration = Calibration(problem, report.record.seed)
     known = problem_noise(problem) if noise is None else known_noise(problem, noise)
     others = [(other.parameters, other.objective) for other in statistics.basins.others]

@@ -39,6 +39,10 @@ class Uncertainty:
                 f"Profile objectives of {', '.join(profile.parameter for profile in findings.profiles)}; closed "
                 f"intervals: {', '.join(closed) or 'none'}."
             )
+        if findings.jackknife is not None:
+            without = findings.jackknife
+            pulls = [f"{name} by {test}" for name in without.names if (test := without.pulling(name)) is not None]
+            return f"Fitted without each of {len(without.tests)} tests. Pulled most: {', '.join(pulls)}."
         if findings.global_sensitivities:
             first = findings.global_sensitivities[0]
             order = sorted(first.indices, key=lambda index: -index.main)

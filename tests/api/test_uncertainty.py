@@ -14,6 +14,7 @@ from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.hosts.engine import Engine
 from geoswarm.workers.queries.follow_ups import evaluations_in_order
 from tests.api.conftest import API, App, line_problem, wait_for_end
+from tests.solver.identifiability.test_leaving_out import curves, fit, scattered
 
 X = np.linspace(0.0, 3.0, 16)
 Y = 1.0 + 2.0 * X + np.random.default_rng(4).normal(0.0, 0.05, X.size)
@@ -127,6 +128,32 @@ def test_profiles_equal_those_of_this_process_bit_for_bit(examined: tuple[App, s
     linear = app.get(f"{API}/jobs/{job}/uncertainty").json()["linearisation"]["parameters"]["b"]["interval"]
     np.testing.assert_allclose([profile["lower"], profile["upper"]], linear, rtol=1e-4)
     assert app.post(f"{API}/jobs/{job}/profile", json={"parameters": ["q"]}).status_code == 422
+
+
+def test_tests_are_left_out_as_in_this_process_bit_for_bit(done: tuple[App, str], engine: Engine) -> None:
+    app, single = done
+    refused = app.post(f"{API}/jobs/{single}/jackknife")
+    assert refused.status_code == 422
+    assert "at least 3 tests with readings, got a single one" in refused.json()["detail"]
+    sampling = {"seed": 1, "method": {"kind": "monte_carlo", "samples": 60}, "stopping": {}}
+    readings = curves(*scattered(1, 4)).document() | sampling
+    job = app.post(f"{API}/jobs", json=readings).json()["id"]
+    wait_for_end(engine.service, job)
+    assert app.post(f"{API}/jobs/{job}/jackknife").status_code == 409
+    wait_for_end(engine.service, app.post(f"{API}/jobs/{job}/sensitivity").json()["id"])
+    costs = {one["kind"]: one for one in app.get(f"{API}/jobs/{job}/follow-ups").json()["items"]}
+    assert costs["jackknife"]["evaluations"] == 19
+    submitted = app.post(f"{API}/jobs/{job}/jackknife", json={"by": "test"}).json()
+    assert submitted["max_evaluations"] == 19
+    assert wait_for_end(engine.service, submitted["id"]).stop_reasons == ["design_completed"]
+    stored = engine.service.store.read(lambda connection: evaluations_in_order(connection, submitted["id"]))
+    local = calibrate(parse_problem(app.get(f"{API}/jobs/{submitted['id']}/problem").json()), workers=2).history
+    assert [e.objective for e in stored] == [r.evaluation.objective for r in local]
+    found = app.get(f"{API}/jobs/{job}/uncertainty").json()
+    assert found["jackknife"] == found["linearisation"]["without_tests"]
+    values = [one["values"]["test_2"] for one in found["jackknife"]["parameters"].values()]
+    np.testing.assert_allclose(values, fit(curves(*scattered(1, 4)), 1), rtol=2e-3)
+    assert "jackknife" not in {one["kind"] for one in app.get(f"{API}/jobs/{single}/follow-ups").json()["items"]}
 
 
 def test_global_sensitivity_and_the_report_of_everything(examined: tuple[App, str, str], engine: Engine) -> None:

@@ -125,7 +125,7 @@ def test_keys_are_made_and_revoked(page: str, tmp_path: Path) -> None:
         text = block(page, "geoswarm keys create").text
         making, _, revoking = text.partition("geoswarm keys revoke ")
         printed = reader.shell(making)
-        keys = re.findall(r"gsw_(\w+?)_\w+", printed)
+        keys = re.findall(r"gsw_(\w+?)_[\w-]+", printed)
         assert len(keys) == text.count("keys create")
         if revoking:
             reader.shell(f"geoswarm keys revoke {keys[0]}")

@@ -16,6 +16,7 @@ import geoswarm as gs
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.report.document.build import Report, report_of_result
 from tests.geoswarm.python_models import OPTIONS
+from tests.solver.identifiability.test_leaving_out import curves, scattered
 
 pytestmark = pytest.mark.filterwarnings("ignore::geoswarm.InProcessWarning")
 
@@ -203,3 +204,17 @@ def test_misfits_are_those_of_the_fit_that_is_shown(weighting: str | None) -> No
         worst = np.argmax(np.abs(residual))
         assert misfit.deviation == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-6)
         assert (misfit.largest, misfit.x) == pytest.approx((residual[worst], x[worst]), rel=1e-6)
+
+
+def test_each_test_is_left_out_and_needs_sensitivities() -> None:
+    document = curves(*scattered(1, 4)).document() | {"seed": 1, "stopping": {"max_evaluations": 100}}
+    found = gs.calibrate(parse_problem(document)).jackknife(workers=2)
+    assert (found.tests, found.names, found.pulling("b")) == (
+        ("test_1", "test_2", "test_3", "test_4"),
+        ("a", "b"),
+        "test_2",
+    )
+    assert np.isfinite(found.intervals).all()
+    blind = gs.calibrate(parse_problem(document | {"method": {"kind": "monte_carlo", "samples": 9}, "stopping": {}}))
+    with pytest.raises(gs.SolverError, match="sensitivities"):
+        blind.jackknife()

@@ -14,6 +14,7 @@ from geoswarm.solver.identifiability.stored.exploring import explore_problem
 from geoswarm.solver.identifiability.stored.follow_ups import (
     follow_up_of,
     global_problem,
+    jackknife_problem,
     profile_problem,
     sensitivity_problem,
 )
@@ -37,6 +38,7 @@ __all__ = [
     "submit_design",
     "submit_explore",
     "submit_global_sensitivity",
+    "submit_jackknife",
     "submit_prediction",
     "submit_profile",
     "submit_sensitivity",
@@ -121,6 +123,33 @@ def submit_profile(
             f"dense enough; POST /api/v1/jobs/{parent}/sensitivity evaluates them"
         )
     problem = profile_problem(job.problem, linearisation, seed=job.record.seed, parameters=parameters, of=parent)
+    return service.submit(problem, idempotency_key=idempotency_key)
+
+
+def submit_jackknife(
+    service: JobService, job_id: str, *, runs: int | None = None, idempotency_key: str | None = None
+) -> Submitted:
+    """Submit the fits without each test, from the optimum that the sensitivities belong to, and return the new job.
+
+    Parameters
+    ----------
+    runs
+        Evaluations at most; as many as suffice by experience when None.
+
+    Raises
+    ------
+    JobNotFoundError
+    NoOptimumError
+        When there are no sensitivities at a minimum.
+    ProblemError, StatisticsError
+        When the problem has fewer than three tests, or ``runs`` are wrong.
+    """
+    parent, job = parent_of(service, job_id)
+    linearisation = service.statistics.linearisation(parent)
+    try:
+        problem = jackknife_problem(job.problem, linearisation, seed=job.record.seed, runs=runs, of=parent)
+    except NotExaminedError as error:
+        raise NoOptimumError(_evaluate_first(parent, "a jackknife", error)) from error
     return service.submit(problem, idempotency_key=idempotency_key)
 
 

@@ -7,6 +7,7 @@ from sqlalchemy import Connection
 from geoswarm.records.progress import FollowUpCost, FollowUpCosts
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability.stored.follow_ups import global_problem
+from geoswarm.solver.methods.jackknife import lacks_tests, most_runs
 from geoswarm.solver.problem.running import least_answer
 from geoswarm.workers.queries.progress import free_workers, mean_seconds
 from geoswarm.workers.service.findings import EXPLORE_RUNS, parent_of
@@ -52,6 +53,9 @@ def follow_up_costs(service: JobService, job_id: str) -> FollowUpCosts:
         cost("explore", EXPLORE_RUNS, exact=False, refused=no_optimum),
         cost("again", job.record.evaluations, exact=False, refused=None),
     ]
+    if lacks_tests(job.problem) is None:
+        tests = len({test for test, _ in job.problem.series_by_test if test})
+        items.append(cost("jackknife", most_runs(free, tests), exact=False, refused=no_profile))
     try:
         planned = global_problem(job.problem, seed=job.record.seed, of=parent).planned_evaluations or 0
         items.append(cost("sobol", planned, exact=True, refused=None))

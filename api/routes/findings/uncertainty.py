@@ -15,6 +15,7 @@ from geoswarm.api.schemas.statistics import (
     DesignRequest,
     ExploreRequest,
     GlobalRequest,
+    JackknifeRequest,
     PredictRequest,
     ProfileRequest,
     SensitivityRequest,
@@ -68,6 +69,22 @@ def profile(
 
     options = (wanted or ProfileRequest()).model_dump()
     return _created(request, response, submit_profile(service, job_id, **options, idempotency_key=idempotency_key))
+
+
+@router.post("/jackknife", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
+def jackknife(
+    job_id: JobId,
+    service: Service,
+    request: Request,
+    response: Response,
+    wanted: JackknifeRequest | None = None,
+    idempotency_key: Key = None,
+) -> Job:
+    """Submit a follow-up that fits the parameters without each test; needs the sensitivities first (409)."""
+    from geoswarm.workers.service.findings import submit_jackknife
+
+    runs = (wanted or JackknifeRequest()).runs
+    return _created(request, response, submit_jackknife(service, job_id, runs=runs, idempotency_key=idempotency_key))
 
 
 @router.post("/explore", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})

@@ -3,12 +3,12 @@ import { confirmed } from "./dom.js";
 import { count, duration } from "./format.js";
 
 export const FOLLOW_UPS = {
-  sensitivity: "Sensitivities at the optimum", profile: "Profile objectives", explore: "Exploration for further basins",
+  sensitivity: "Sensitivities at the optimum", profile: "Profile objectives", jackknife: "Leaving out one test at a time", explore: "Exploration for further basins",
   predict: "Prediction", design: "Which test next",
   sobol: "Global sensitivity (Sobol)", morris: "Global sensitivity (Morris)",
 };
 export const BUTTONS = {
-  sensitivity: "Sensitivities at the optimum", profile: "Profiles of all parameters", explore: "Look for further basins",
+  sensitivity: "Sensitivities at the optimum", profile: "Profiles of all parameters", jackknife: "Leave out one test at a time", explore: "Look for further basins",
 };
 const LONG = 60; // s
 

@@ -68,6 +68,8 @@ def show_findings(name: str, found: Mapping[str, Any]) -> None:
     show_fit(found["fit"])
     if found["linearisation"] is not None:
         _show_linearisation(found)
+    if found["jackknife"] is not None:
+        _show_without_tests(found["jackknife"], fitted=True)
     if found["profiles"]:
         _show_profiles(found["profiles"], found["fit"])
     for indices in found["global_sensitivities"]:
@@ -89,8 +91,8 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
         if combination["open"]:
             parts = ", ".join(f"{parameter} {part:+.2f}" for parameter, part in combination["components"].items())
             reasons.append(f"left open by the data: {parts} (moves in parts of the search ranges)")
-    if linearisation["without_tests"] is not None:
-        _show_without_tests(linearisation["without_tests"], linearisation["level"])
+    if linearisation["without_tests"] is not None and found["jackknife"] is None:
+        _show_without_tests(linearisation["without_tests"])
     noise = linearisation["noise"]
     deviations = (
         "unknown" if noise is None else ", ".join(f"{s} {number(v, 3)}" for s, v in noise["deviations"].items())
@@ -125,13 +127,20 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
         note("Warning: this is not the minimum yet, so the intervals are wrong; polish it first (--polish)")
 
 
-def _show_without_tests(found: Mapping[str, Any], level: float) -> None:
+def _show_without_tests(found: Mapping[str, Any], *, fitted: bool = False) -> None:
+    """Write the span of the values without each test; where they are fitted, every value."""
     rows = []
     for parameter, row in found["parameters"].items():
         known = [value for value in row["values"].values() if value is not None]
         span = (number(min(known)), number(max(known))) if known else ("-", "-")
         rows.append((parameter, *span, *_ends(row["interval"]), row["pulls"] or "-"))
-    columns = ("leaving out a test", "least", "largest", *interval_heading(level, None), "pulled most by")
+    if fitted:
+        names = tuple(found["parameters"])
+        each = [
+            (test, *(number(found["parameters"][name]["values"][test]) for name in names)) for test in found["tests"]
+        ]
+        echo_table("fitted without each test", ("without", *names), each, right=tuple(range(1, len(names) + 1)))
+    columns = ("leaving out a test", "least", "largest", *interval_heading(0.95, None), "pulled most by")
     echo_table(None, columns, rows, right=(1, 2, 3, 4))
 
 

@@ -1,4 +1,4 @@
-"""``geoswarm sensitivity``, ``profile``, ``explore``, ``influence``: further evaluations that tell how sure it is."""
+"""``geoswarm sensitivity``, ``profile``, ``jackknife``, ``explore``, ``influence``: how sure it is, by further runs."""
 
 from __future__ import annotations
 
@@ -21,10 +21,11 @@ from geoswarm.cli.words.result import show_fit
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
     from geoswarm.solver.arrays import FloatArray
+    from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
     from geoswarm.solver.identifiability.stored.findings import Findings
     from geoswarm.solver.problem import Problem
 
-__all__ = ["explore_command", "influence_command", "profile_command", "sensitivity_command"]
+__all__ = ["explore_command", "influence_command", "jackknife_command", "profile_command", "sensitivity_command"]
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 Noise = dict[str, float] | float | None
@@ -131,6 +132,41 @@ def profile_command(
             wait_for(client, client.sensitivity(job.id))
             submitted = client.profile(job.id, parameters=names, noise=known)
         _follow(client, submitted, as_json, known)
+
+
+@click.command("jackknife")
+@_common
+@click.option("--by", type=click.Choice(("test",)), default="test", show_default=True, help="What is left out.")
+@click.option("--runs", type=click.IntRange(2, 100_000), help="Evaluations at most; 1 + 3 (parameters + tests).")
+def jackknife_command(
+    source: str, workers: int, as_json: bool, url: str, api_key: str | None, by: str, runs: int | None
+) -> None:
+    """Fit the parameters again without each test: values, intervals between tests, which test pulls.
+
+    SOURCE as in 'geoswarm sensitivity', whose evaluations are made first where they are missing; a combined problem
+    with three tests or more. All fits share their runs.
+    """
+    del by  # so far there is one way
+    run = _local(source, workers)
+    if run is not None:
+        _tell(run.name, run.jackknife(runs), as_json)
+        return
+    from geoswarm.client import ConflictError
+
+    with connect(url, api_key) as client:
+        job = find_job(client, source)
+        try:
+            submitted = client.jackknife(job.id, runs=runs)
+        except ConflictError:
+            note("The sensitivities at the optimum come first.")
+            wait_for(client, client.sensitivity(job.id))
+            submitted = client.jackknife(job.id, runs=runs)
+        _say_runs(client.problem(submitted.id)["method"]["runs"])
+        _follow(client, submitted, as_json, None)
+
+
+def _say_runs(runs: int) -> None:
+    note(f"At most {runs} runs, which the fits without each test share.")
 
 
 @click.command("explore")
@@ -294,17 +330,40 @@ class _LocalRun:
 
     def profile(self, at: dict[str, float] | None, parameters: list[str] | None, noise: Noise) -> Findings:
         from geoswarm.solver.identifiability.stored.follow_ups import profile_problem
+
+        found = self._linearisation(at, noise)
+        return self._run(profile_problem(self.problem, found, seed=self.seed, parameters=parameters), noise)
+
+    def jackknife(self, runs: int | None) -> Findings:
+        from geoswarm.solver.identifiability.errors import NotExaminedError
+        from geoswarm.solver.identifiability.stored.follow_ups import jackknife_problem
+
+        try:
+            problem = jackknife_problem(self.problem, self._known(None), seed=self.seed, runs=runs)
+        except NotExaminedError:
+            note("The sensitivities at the optimum come first.")
+            found = self._sensitivities(None, None, True, None).linearisation
+            problem = jackknife_problem(self.problem, found, seed=self.seed, runs=runs)
+        _say_runs(problem.method.model_dump()["runs"])
+        return self._run(problem, None)
+
+    def _known(self, noise: Noise) -> Linearisation | None:
+        """At the optimum of a folder; None where sensitivities are missing."""
         from geoswarm.solver.report.folder.reading import all_findings, run_of_folder
 
-        found = None
-        if self.folder is not None and at is None:
-            found = all_findings(self.folder, run_of_folder(self.folder), noise=noise).linearisation
-        if found is None:
-            examined = self._sensitivities(at, None, True, noise)
-            if examined.linearisation is None:
-                raise FailedRunError(f"sensitivities at the optimum cannot be had: {'; '.join(examined.notes)}")
-            found = examined.linearisation
-        return self._run(profile_problem(self.problem, found, seed=self.seed, parameters=parameters), noise)
+        if self.folder is None:
+            return None
+        return all_findings(self.folder, run_of_folder(self.folder), noise=noise).linearisation
+
+    def _linearisation(self, at: dict[str, float] | None, noise: Noise) -> Linearisation:
+        """At the optimum; sensitivities are evaluated where they are missing."""
+        found = self._known(noise) if at is None else None
+        if found is not None:
+            return found
+        examined = self._sensitivities(at, None, True, noise)
+        if examined.linearisation is None:
+            raise FailedRunError(f"sensitivities at the optimum cannot be had: {'; '.join(examined.notes)}")
+        return examined.linearisation
 
     def explore(self, runs: int, noise: Noise) -> Findings:
         from geoswarm.solver.identifiability.stored.exploring import explore_problem

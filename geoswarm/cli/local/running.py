@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from geoswarm.client import Client, Job
     from geoswarm.solver.identifiability.stored.findings import Findings
     from geoswarm.solver.problem import Problem
+    from geoswarm.solver.report.folder.run_folder import RunFolder
 
 __all__ = ["run_here", "wait_for"]
 
@@ -29,26 +31,39 @@ def run_here(
         Folder of the run that is followed, and the folder in it that keeps the evaluations; None: nothing is kept.
     """
     from geoswarm.solver.identifiability.stored.findings import findings_of
-    from geoswarm.solver.report.folder import tables
     from geoswarm.solver.runs.local import calibrate
 
     ready(problem)
-    with progress_bar(problem.name, problem.planned_evaluations) as update:
+    opened = None if folder is None else _opened(folder / within, problem)
+    kept = nullcontext() if opened is None else closing(opened)
+    with progress_bar(problem.name, problem.planned_evaluations) as update, kept:
         result = calibrate(
             problem,
             workers=workers,
             on_generation=lambda record: update(record.evaluations, record.number, record.objective, None, None),
+            keeper=opened,
         )
-    if folder is not None:
-        place = folder / within
-        place.mkdir(exist_ok=True, parents=True)
-        tables.write_result(place / "result.json", problem, result)
-        tables.write_problem(place / "problem.json", problem, result.seed)
-        tables.write_evaluations(place / "evaluations.csv", problem, result)
-        tables.write_generations(place / "generations.csv", problem, result)
-        tables.write_responses(place / "responses.npz", problem, result)
-        note(f"Evaluations kept in {place}; 'geoswarm report {folder}' has what they tell.")
+    if opened is not None:
+        opened.finish(result)
+        opened.complete()
+        note(f"Evaluations kept in {opened.folder}; 'geoswarm report {folder}' has what they tell.")
     return findings_of(problem, result.seed, [record.evaluation for record in result.history], noise=noise)
+
+
+def _opened(place: Path, problem: Problem) -> RunFolder:
+    """The folder of a follow-up: with its runs where the same one was cut off, else empty."""
+    from geoswarm.solver.report.folder.run_folder import JOURNAL, OtherRunError, open_run_folder
+
+    cut_off = (place / JOURNAL).is_file()
+    try:
+        opened = open_run_folder(place, problem, seed=None, offer=None, resume=cut_off)
+    except OtherRunError:  # nobody can ask for it any more
+        (place / JOURNAL).unlink()
+        opened = open_run_folder(place, problem, seed=None, offer=None, resume=False)
+    assert opened is not None  # only a finished one is none
+    if opened.kept:
+        note(f"Continuing after {opened.kept} runs.")
+    return opened
 
 
 def wait_for(client: Client, job: Job) -> Job:

@@ -79,6 +79,7 @@ class AsyncClient(AsyncConnection):
     reweight = analysis.reweight
     sensitivity = analysis.sensitivity
     profile = analysis.profile
+    jackknife = analysis.jackknife
     explore = analysis.explore
     predict = analysis.predict
     design = analysis.design

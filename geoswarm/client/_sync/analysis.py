@@ -34,6 +34,7 @@ __all__ = [
     "figure",
     "figures",
     "global_sensitivity",
+    "jackknife",
     "posterior",
     "predict",
     "profile",
@@ -157,6 +158,23 @@ def profile(
     """
     request = present(parameters=parameters, noise=noise)
     return _submit_follow_up(self, f"{job_path(job_id)}/profile", request, idempotency_key)
+
+
+def jackknife(self: Connection, job_id: str, *, runs: int | None = None, idempotency_key: str | None = None) -> Job:
+    """Submit a follow-up that fits the parameters without each test, with at most so many runs.
+
+    The job must have its sensitivities already, and three tests or more.
+
+    Examples
+    --------
+    >>> from geoswarm import HttpError
+    >>> try:
+    ...     client.jackknife(job.id)
+    ... except HttpError as error:
+    ...     error.detail[-12:]
+    'a single one'
+    """
+    return _submit_follow_up(self, f"{job_path(job_id)}/jackknife", present(runs=runs), idempotency_key)
 
 
 def explore(

@@ -80,6 +80,7 @@ class Client(Connection):
     reweight = analysis.reweight
     sensitivity = analysis.sensitivity
     profile = analysis.profile
+    jackknife = analysis.jackknife
     explore = analysis.explore
     predict = analysis.predict
     design = analysis.design

@@ -15,6 +15,7 @@
                    tests scatter
 ``minimising``     the step from an optimum to the minimum of the linearised objective, inside the bounds (Karush, Kuhn
                    and Tucker)
+``refitted``       the minimum without each of several tests by forward runs, and the intervals that follow
 ``spread``         spread of the estimates around the optimum: covariance, standard errors, half widths of intervals
 =================  ====================================================================================================
 """

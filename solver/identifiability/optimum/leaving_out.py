@@ -22,36 +22,65 @@ import numpy as np
 from scipy.special import stdtrit
 
 from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.methods.jackknife import FEWEST_TESTS
 
 __all__ = ["WithoutTests", "leave_tests_out"]
 
-_FEWEST = 3  # tests
 _ALONE = 1e-6  # of a direction, what the other tests say of it
 _SEEN = 1e-9  # of a move along a direction that only one test determines
 
 
 @dataclass(frozen=True, slots=True)
 class WithoutTests:
-    """Where the minimum lies without each of G tests, by linearisation.
+    """Where the minimum lies without each of G tests.
 
     Parameters
     ----------
     names, tests
         Of the parameters and of the tests.
+    level
+        Of the intervals.
     moves
         Parts of the range from the optimum, shape (G, d); nan where the other tests do not determine a parameter.
     half_widths
         Of the intervals between tests, parts of the range, shape (d,); nan where one test alone determines a parameter.
     values, intervals
         The same as natural values, shapes (G, d) and (d, 2).
+    fitted
+        By forward runs, not by linearisation.
+    notes
+        What to know of the fits, in sentences.
     """
 
     names: tuple[str, ...]
     tests: tuple[str, ...]
+    level: float
     moves: FloatArray
     half_widths: FloatArray
     values: FloatArray
     intervals: FloatArray
+    fitted: bool = False
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        names: tuple[str, ...],
+        tests: tuple[str, ...],
+        moves: FloatArray,
+        level: float,
+        natural: Callable[[FloatArray], FloatArray],
+        *,
+        fitted: bool = False,
+        notes: tuple[str, ...] = (),
+    ) -> WithoutTests:
+        """From the moves alone; ``natural``: natural values (k, d) of moves from the optimum (k, d)."""
+        count = len(tests)
+        about = moves - moves.mean(axis=0)
+        deviations = np.sqrt((count - 1.0) / count * np.sum(about**2, axis=0))
+        half = float(stdtrit(count - 1.0, 0.5 + level / 2.0)) * deviations
+        ends = natural(np.stack([-half, half])).T
+        return cls(names, tests, level, moves, half, natural(moves), ends, fitted, notes)
 
     def pulling(self, name: str) -> str | None:
         """The test without which a parameter moves farthest; None where that is not known."""
@@ -99,16 +128,11 @@ def leave_tests_out(
     natural
         Natural values (k, d) of moves from the optimum (k, d), parts of the range.
     """
-    if len(tests) < _FEWEST:
+    if len(tests) < FEWEST_TESTS:
         return None
     from_basis = inverse @ basis
     moves = np.array([_without(basis[rows], residuals[rows], from_basis) for rows in tests.values()])
-    count = len(tests)
-    about = moves - moves.mean(axis=0)
-    deviations = np.sqrt((count - 1.0) / count * np.sum(about**2, axis=0))
-    half = float(stdtrit(count - 1.0, 0.5 + level / 2.0)) * deviations
-    ends = natural(np.stack([-half, half])).T
-    return WithoutTests(names, tuple(tests), moves, half, natural(moves), ends)
+    return WithoutTests.of(names, tuple(tests), moves, level, natural)
 
 
 def _without(rows: FloatArray, residuals: FloatArray, from_basis: FloatArray) -> FloatArray:

@@ -33,11 +33,11 @@ _FAR, _MISPLACED = 0.2, 1.0  # standard errors
 _WIDER = 1.05  # the least factor that is said
 _BASES: dict[IntervalBasis, str] = {
     "linearised": "",
-    "correlated": "widened for correlated residuals",
-    "uneven": "widened for residuals of uneven size",
-    "possible": "widened for a correlation that so few readings cannot exclude",
-    "stated": "widened for correlated noise, as stated",
-    "tests": "widened for tests that differ",
+    "correlated": "widened by a factor of {:.2g} for correlated residuals",
+    "uneven": "widened by a factor of {:.2g} for residuals of uneven size",
+    "possible": "widened by a factor of {:.2g} for a correlation that so few readings cannot exclude",
+    "stated": "widened by a factor of {:.2g} for correlated noise, as stated",
+    "tests": "widened by a factor of {:.2g} for tests that differ",
     "moved": "by likelihood from one run at each end",
     "profile": "by likelihood",
 }
@@ -253,7 +253,7 @@ class Linearisation:
         kind: IntervalBasis | None = next((kind for kind in ALLOWANCES if kind in kinds), None)
         if name in self.between_tests:
             kind = "tests"
-        return "" if kind is None or factor < _WIDER else f"{_BASES[kind]} by a factor of {factor:.2g}"
+        return "" if kind is None or factor < _WIDER else _BASES[kind].format(factor)
 
     def basis_in_words(self, name: str) -> str:
         """What its interval rests on, in a few words; empty for linearisation where that is enough."""

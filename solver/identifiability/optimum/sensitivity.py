@@ -35,6 +35,7 @@ from geoswarm.solver.identifiability.optimum.differences import (
 from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests, leave_tests_out
 from geoswarm.solver.identifiability.optimum.linearisation import IntervalBasis, Linearisation, LinearModel
 from geoswarm.solver.identifiability.optimum.minimising import MinimisingStep, minimising_step
+from geoswarm.solver.identifiability.optimum.refitted import natural_moves
 from geoswarm.solver.identifiability.optimum.spread import Spread, mean_variance, reading_variances
 from geoswarm.solver.identifiability.residuals.dependence import ALLOWANCES, Dependence, dependence_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict, examine_fit
@@ -133,7 +134,7 @@ def linearise(
         residuals,
         inverse,
         level,
-        lambda moves: _natural(calibration, jacobian.optimum, moves),
+        lambda moves: natural_moves(calibration.space, jacobian.optimum, moves),
     )
     between = without.half_widths if without is not None and fit.kind in _TESTS_DIFFER else None
     if without is not None:
@@ -265,7 +266,7 @@ def _assemble(
         degrees_of_freedom=points - space.dimension,
         covariance=None if noise is None else spread.covariance * np.outer(span, span),
         standard_errors=spread.deviations * span * np.where(space.log, jacobian.optimum, 1.0),
-        intervals=_natural(calibration, jacobian.optimum, np.stack([-spread.half, spread.half])).T,
+        intervals=natural_moves(calibration.space, jacobian.optimum, np.stack([-spread.half, spread.half])).T,
         unit_widths=2.0 * spread.half,
         level=level,
         derivative_error=found.derivative_error,
@@ -282,13 +283,6 @@ def _assemble(
         without=without,
         between_tests=tuple(np.array(calibration.free_names)[spread.between_tests].tolist()),
     )
-
-
-def _natural(calibration: Calibration, optimum: FloatArray, moves: FloatArray) -> FloatArray:
-    """Natural values of moves (k, d) from the optimum, parts of the range; beyond the bounds, too."""
-    space = calibration.space
-    places = space.to_search(optimum) + moves * (space.search_upper - space.search_lower)
-    return np.asarray(np.where(space.log, np.exp(np.where(space.log, places, 0.0)), places))
 
 
 def _bases(spread: Spread, dependence: tuple[Dependence, ...]) -> tuple[IntervalBasis, ...]:

@@ -1,8 +1,8 @@
 """What the evaluations of follow-ups say.
 
-A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``explore``, ``sobol`` or
-``morris``; or, with ``predict``, another problem with the parameters of the job. Any engine runs it, and its stored
-evaluations alone give the findings: the plan follows from the problem again.
+A follow-up is the problem of a job with another ``method``: ``sensitivity``, ``profile``, ``jackknife``, ``explore``,
+``sobol`` or ``morris``; or, with ``predict``, another problem with the parameters of the job. Any engine runs it, and
+its stored evaluations alone give the findings: the plan follows from the problem again.
 """
 
 from __future__ import annotations
@@ -20,8 +20,10 @@ from geoswarm.solver.errors import SolverError
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.optimum.bending import measure_bending, with_profiles
 from geoswarm.solver.identifiability.optimum.differences import differentiate, residual_rows
+from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import Profile, profiles_of
+from geoswarm.solver.identifiability.optimum.refitted import notes_on, refitted, with_refits
 from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations, linearise
 from geoswarm.solver.identifiability.prediction.bands import Prediction, prediction_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
@@ -34,6 +36,7 @@ from geoswarm.solver.methods.design import DesignMethod
 from geoswarm.solver.methods.explore import ExploreMethod
 from geoswarm.solver.methods.given_points import GivenPointsMethod
 from geoswarm.solver.methods.global_designs import GlobalMethod
+from geoswarm.solver.methods.jackknife import JackknifeMethod
 from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
@@ -83,6 +86,8 @@ class Findings:
         Bands of other problems.
     designs
         Candidate tests in order of their worth.
+    jackknife
+        The optimum without each test, by further runs.
     """
 
     linearisation: Linearisation | None = None
@@ -97,6 +102,7 @@ class Findings:
     left: tuple[tuple[FloatArray, float], ...] = ()
     predictions: tuple[Prediction, ...] = ()
     designs: tuple[Design, ...] = ()
+    jackknife: WithoutTests | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -110,6 +116,7 @@ class Findings:
             "explored": len(self.explored) + len(self.left),
             "predictions": [prediction.to_json() for prediction in self.predictions],
             "designs": [design.to_json() for design in self.designs],
+            "jackknife": None if self.jackknife is None else self.jackknife.to_json(),
             "notes": list(self.notes),
         }
 
@@ -275,7 +282,7 @@ def _profiles(
     _replay(search, calibration, evaluations)
     notes = []
     if search.failed:
-        notes.append(f"the evaluation of the optimum failed ({evaluations[0].reason}): {evaluations[0].message}")
+        notes.append(_optimum_failed(evaluations[0]))
     elif not search.finished:
         notes.append("the profiles are not complete yet")
     samples = Samples.from_evaluations(calibration.problem, evaluations)
@@ -284,12 +291,23 @@ def _profiles(
 
 
 @examine.register
-def _explored(
-    method: ExploreMethod,
+def _jackknife(
+    method: JackknifeMethod,
     calibration: Calibration,
     evaluations: Sequence[Evaluation],
     noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
-    level: float,  # noqa: ARG001  the form of all
+    level: float,
+) -> Findings:
+    search = method.search(calibration.space, calibration.problem.series_by_test)
+    _replay(search, calibration, evaluations)
+    if search.failed:
+        return Findings(notes=(_optimum_failed(evaluations[0]),))
+    return Findings(jackknife=refitted(search, calibration.space, level), notes=notes_on(search, calibration.space))
+
+
+@examine.register
+def _explored(
+    method: ExploreMethod, calibration: Calibration, evaluations: Sequence[Evaluation], *_options: Any
 ) -> Findings:
     search = method.search(calibration.space)
     _replay(search, calibration, evaluations)
@@ -317,11 +335,7 @@ def _looked_ahead(
 
 @examine.register
 def _indices(
-    method: GlobalMethod,
-    calibration: Calibration,
-    evaluations: Sequence[Evaluation],
-    noise: Mapping[str, float] | float | None,  # noqa: ARG001  the form of all
-    level: float,  # noqa: ARG001  the form of all
+    method: GlobalMethod, calibration: Calibration, evaluations: Sequence[Evaluation], *_options: Any
 ) -> Findings:
     plan = method.points(calibration.space, calibration.seed)
     if len(evaluations) < len(plan.positions):
@@ -334,6 +348,10 @@ def _indices(
         except SolverError as error:
             notes.append(f"{output}: {error}")
     return Findings(global_sensitivities=tuple(found), notes=tuple(dict.fromkeys(notes)))
+
+
+def _optimum_failed(evaluation: Evaluation) -> str:
+    return f"the evaluation of the optimum failed ({evaluation.reason}): {evaluation.message}"
 
 
 def _runs(calibration: Calibration, evaluations: Sequence[Evaluation]) -> tuple[FloatArray, FloatArray]:
@@ -373,11 +391,13 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         for prediction in part.predictions:
             predictions.setdefault(prediction.name, prediction)
     designs = next((part.designs for part in parts if part.designs), ())
+    jackknife = next((part.jackknife for part in parts if part.jackknife is not None), None)
     notes = dict.fromkeys(note for part in parts for note in part.notes)
     linearisation = with_optimum.linearisation
     if linearisation is not None:
         wanted = [profile for name, profile in profiles.items() if linearisation.nonlinear(name)]
         linearisation = with_profiles(linearisation, wanted)
+        linearisation = linearisation if jackknife is None else with_refits(linearisation, jackknife)
     return Findings(
         linearisation,
         with_optimum.objective,
@@ -391,4 +411,5 @@ def join_findings(parts: Sequence[Findings]) -> Findings:
         tuple(run for part in parts for run in part.left),
         tuple(predictions.values()),
         designs,
+        jackknife,
     )

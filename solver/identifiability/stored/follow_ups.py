@@ -9,16 +9,33 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.identifiability.errors import NotExaminedError, StatisticsError
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import profile_settings
 from geoswarm.solver.identifiability.prediction.question import OWN_KEYS, question_hash
 from geoswarm.solver.methods.base import FollowUpMethod, by_name
+from geoswarm.solver.methods.jackknife import lacks_tests, most_runs
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.space import search_space
 
-__all__ = ["follow_up", "follow_up_of", "global_problem", "profile_problem", "same_question", "sensitivity_problem"]
+__all__ = [
+    "at_minimum",
+    "follow_up",
+    "follow_up_of",
+    "global_problem",
+    "jackknife_problem",
+    "profile_problem",
+    "same_question",
+    "sensitivity_problem",
+]
 
 _LONGEST_NAME = 200
+_NOT_THERE = "the sensitivities at the optimum are needed first: start the follow-up sensitivity"
+_MISPLACED = (
+    "the sensitivities are those of a point {far:.1f} standard errors from the minimum: start the follow-up "
+    "sensitivity again, which goes there first"
+)
+_SHORTEST_STEP, _LONGEST_STEP = 1e-4, 0.05  # first moves of a jackknife, parts of the range
 
 
 def follow_up_of(problem: Problem) -> FollowUpMethod | None:
@@ -93,6 +110,53 @@ def profile_problem(
     step = {name: float(s) for name, s in zip(names, settings.step, strict=True) if name in rise}
     method = {"kind": "profile", "at": _at(problem, settings.optimum), "rise": rise, "step": step, "of": of}
     return follow_up(problem, method, seed)
+
+
+def at_minimum(found: Linearisation | None) -> Linearisation:
+    """Return the sensitivities of a run where they are those of a minimum; else raise NotExaminedError."""
+    if found is None:
+        raise NotExaminedError(_NOT_THERE)
+    if found.misplaced:
+        raise NotExaminedError(_MISPLACED.format(far=found.far))
+    return found
+
+
+def jackknife_problem(
+    problem: Problem, linearisation: Linearisation | None, *, seed: int, runs: int | None = None, of: str | None = None
+) -> Problem:
+    """The problem that fits the parameters without each test, from the optimum of a linearisation.
+
+    Parameters
+    ----------
+    runs
+        Evaluations at most; as many as suffice by experience when None.
+
+    Raises
+    ------
+    StatisticsError
+        When there are fewer than three tests.
+    NotExaminedError
+        When there are no sensitivities at a minimum.
+    ProblemError
+        When ``runs`` is wrong.
+    """
+    lacking = lacks_tests(problem)
+    if lacking is not None:
+        raise StatisticsError(lacking)
+    linearisation = at_minimum(linearisation)
+    without = linearisation.without
+    tests = 0 if without is None else len(without.tests)
+    step = {}
+    if without is not None:
+        typical = np.sqrt(np.mean(without.moves**2, axis=0)).tolist()
+        step = {
+            name: float(np.clip(length, _SHORTEST_STEP, _LONGEST_STEP))
+            for name, length in zip(problem.free_names, typical, strict=True)
+            if np.isfinite(length)
+        }
+    runs = most_runs(len(problem.free_names), tests) if runs is None else runs
+    at = _at(problem, linearisation.optimum)
+    return follow_up(problem, {"kind": "jackknife", "at": at, "step": step, "runs": runs, "of": of}, seed)
 
 
 def global_problem(

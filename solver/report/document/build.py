@@ -18,6 +18,7 @@ from geoswarm.solver.identifiability import (
     analyse,
     linearise,
 )
+from geoswarm.solver.identifiability.optimum.refitted import with_refits
 from geoswarm.solver.identifiability.stored.findings import answer_of
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samples
@@ -85,12 +86,15 @@ class Report:
         self.statistics: Statistics | None = None
         if samples.size:
             calibration = Calibration(problem, record.seed)
+            found = uncertainty.findings.linearisation or linearisation
+            if found is not None and uncertainty.findings.jackknife is not None:
+                found = with_refits(found, uncertainty.findings.jackknife)
             self.statistics = analyse(
                 calibration,
                 samples,
                 threshold=threshold,
                 noise=noise,
-                linearisation=uncertainty.findings.linearisation or linearisation,
+                linearisation=found,
                 at_optimum=uncertainty.findings.responses,
                 elsewhere=uncertainty.findings.explored,
                 left=uncertainty.findings.left,

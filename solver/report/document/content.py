@@ -323,7 +323,7 @@ def _optimum_tables(statistics: Statistics, labels: dict[str, ParameterLabel]) -
         )
         columns = ("singular value", "combination", "the data")
         tables.append(Table("Combinations of parameters at the optimum", columns, tuple(rows), (0,), note))
-        if linearisation.without is not None:
+        if linearisation.without is not None and not linearisation.without.fitted:
             tables.append(left_out_table(linearisation.without, labels))
     if statistics.residuals:
         tables.append(residual_table(statistics))

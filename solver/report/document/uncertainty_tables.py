@@ -24,6 +24,8 @@ def uncertainty_tables(problem: Problem, uncertainty: Uncertainty, labels: dict[
     findings = uncertainty.findings
     if findings.profiles:
         tables.append(_profile_table(problem, findings.profiles, labels))
+    if findings.jackknife is not None:
+        tables.append(left_out_table(findings.jackknife, labels))
     if uncertainty.posterior is not None:
         tables.append(_posterior_table(uncertainty.posterior, labels))
     tables += [_index_table(found, labels) for found in findings.global_sensitivities]
@@ -97,9 +99,10 @@ def left_out_table(without: WithoutTests, labels: dict[str, ParameterLabel]) -> 
     sure = [" … ".join(ends(*one)) if np.isfinite(one).all() else "–" for one in without.intervals]
     rows.append(("95 % interval between tests", *sure))
     rows.append(("pulled most by", *(without.pulling(name) or "–" for name in without.names)))
+    how = "Fitted again without each test." if without.fitted else "By linearisation, without further runs."
     note = (
-        "By linearisation, without further runs. The interval takes each test as one piece of information (jackknife, "
-        "Student's t). A dash: one test alone determines the parameter."
+        f"{how} The interval takes each test as one piece of information (jackknife, Student's t). A dash: one test "
+        "alone determines the parameter."
     )
     columns = ("tests", *(labels[name].symbol for name in without.names))
     return Table("Leaving out one test at a time", columns, tuple(rows), tuple(range(1, len(columns))), note)

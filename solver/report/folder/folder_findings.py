@@ -14,6 +14,7 @@ from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of, same
 from geoswarm.solver.methods.registry import kinds_of
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.folder.folder_tables import column, read_table
+from geoswarm.solver.report.folder.run_folder import JOURNAL
 from geoswarm.solver.report.folder.tables import parameter_column
 
 __all__ = ["evaluations_of_folder", "findings_of_folder"]
@@ -60,7 +61,7 @@ def findings_of_folder(folder: Path, problem: Problem, *, noise: Mapping[str, fl
     for kind in kinds_of("follow_up"):
         # one of a kind, but as many predictions as there are names
         for file in (folder / kind / "problem.json", *sorted((folder / kind).glob("*/problem.json"))):
-            if file.is_file():
+            if file.is_file() and not (file.parent / JOURNAL).is_file():  # one that was cut off says nothing yet
                 follow_up = parse_problem(json.loads(file.read_text(encoding="utf-8")), programs=True)
                 if same_question(problem, follow_up):
                     parts.append(_read(file.parent, follow_up, noise))

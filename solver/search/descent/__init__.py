@@ -11,11 +11,13 @@
 ``given``          ask / tell of points that are all given beforehand
 ``interval_ends``  places at the ends of linearised intervals, where one run each shows whether the forward model is
                    nonlinear
+``leaving_out``    ask / tell of the fits without each of several tests, all from the same runs
 ``marquardt``      the damped step of Levenberg and Marquardt, which descents and profiles share
 ``minimum``        ask / tell of the runs after a search: sensitivities at its best point, steps to the minimum, ends of
                    intervals
 ``projection``     variable projection: parameters in which residuals are linear take the values that fit best (Golub
                    and Pereyra 1973)
+``quadratic``      quadratic surfaces of residual vectors through runs: what all fits without a test learn from together
 ``refinement``     one way down to a minimum of least squares: Levenberg-Marquardt that solves for what enters linearly
                    by itself
 ``steps``          steps for derivatives, found for each parameter until truncation and roughness are both small

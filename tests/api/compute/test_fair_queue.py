@@ -80,6 +80,7 @@ def test_too_many_waiting_are_refused_at_once() -> None:
         ("PATCH", "/api/v1/jobs/1f", True),
         ("GET", "/api/v1/jobs/1f", False),
         ("DELETE", "/api/v1/jobs/1f", False),
+        *(("POST", f"/api/v1/jobs/1f/{kind}", True) for kind in ("sensitivity", "profile", "jackknife", "explore")),
         ("POST", "/api/v1/jobs/1f/cancel", False),
         ("GET", "/api/v1/jobs/1f/events", False),
         ("GET", "/api/v1/jobs/1f/report.pdf", True),

@@ -17,13 +17,13 @@ WANTED = (
     *("init", "inline", "check", "estimate", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
     *("list", "show", "cancel", "pause", "resume", "retry-failed", "export", "demo", "workers"),
     *("report", "statistics", "reweight", "paper", "keys", "prune"),
-    *("sensitivity", "profile", "explore", "influence", "predict", "design", "posterior", "examples"),
+    *("sensitivity", "profile", "jackknife", "explore", "influence", "predict", "design", "posterior", "examples"),
     *("model", "models", "import", "umbridge", "agent", "hooks", "verify"),
 )
 READING = (
     *("check", "evaluate", "run", "submit", "watch", "list", "show", "retry-failed", "workers"),
     *("statistics", "reweight", "paper", "prune", "examples", "verify"),
-    *("sensitivity", "profile", "explore", "influence", "predict", "design", "posterior"),
+    *("sensitivity", "profile", "jackknife", "explore", "influence", "predict", "design", "posterior"),
 )
 
 

@@ -82,6 +82,7 @@ CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "statistics": [(["run"], 0, None), (["run", "--accept", "fix:rate=1", "--output", "next.json"], 0, None)],
     "sensitivity": [(["run"], 0, None)],
     "profile": [(["run", "--parameter", "rate", "--noise", "0.01"], 0, None)],
+    "jackknife": [(["run"], 2, None)],
     "explore": [(["run", "--runs", "20"], 0, None)],
     "predict": [(["run", "--problem", "later.json", "--runs", "40", "--noise", "0.01"], 0, "plots")],
     "design": [(["run", "--candidates", "candidates.json", "--draws", "1", "--noise", "0.01"], 0, "plots")],

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -13,6 +16,7 @@ from tests.api.test_uncertainty import noisy, textbook
 from tests.geoswarm.cli.conftest import without_figures
 from tests.geoswarm.client.conftest import client, engine, server
 from tests.integration.engines import PATIENCE
+from tests.solver.identifiability.test_leaving_out import curves, fit, scattered
 
 __all__ = ["client", "engine", "server"]
 
@@ -71,6 +75,35 @@ def test_sensitivities_elsewhere_do_not_change_the_result(
     assert {one["parameter"]: one["best"] for one in found["projections"]} == best  # type: ignore[attr-defined]
 
 
+def test_a_follow_up_that_was_cut_off_continues(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    copy = tmp_path / "out"
+    shutil.copytree(folder, copy, ignore=shutil.ignore_patterns("sensitivity", "profile", "morris"))
+
+    @contextmanager
+    def cut_off(*_: object) -> Iterator[Callable[..., None]]:
+        def stop(*_: object) -> None:
+            raise KeyboardInterrupt
+
+        yield stop
+
+    with monkeypatch.context() as changed:
+        changed.setattr("geoswarm.cli.local.running.progress_bar", cut_off)
+        assert main(["sensitivity", str(copy)]) == 130
+    assert (copy / "sensitivity" / "run.journal").is_file()
+    assert main(["statistics", str(copy), "--json"]) == 0
+    capsys.readouterr()
+    assert main(["sensitivity", str(copy)]) == 0
+    assert "Continuing after 5 runs." in capsys.readouterr().err
+    assert not (copy / "sensitivity" / "run.journal").exists()
+    whole = tmp_path / "whole"
+    shutil.copytree(folder, whole, ignore=shutil.ignore_patterns("sensitivity", "profile", "morris"))
+    assert main(["sensitivity", str(whole)]) == 0
+    told = [(place / "sensitivity" / "responses.npz").read_bytes() for place in (copy, whole)]
+    assert told[0] == told[1]
+
+
 def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     problem = str(folder / "problem.json")
     assert main(["sensitivity", problem]) == 2
@@ -87,6 +120,35 @@ def test_a_problem_file_needs_an_optimum(folder: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("blank_figures")
+def test_each_test_of_a_folder_is_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    problem = curves(*scattered(1, 4))
+    path, folder = tmp_path / "problem.json", tmp_path / "out"
+    path.write_text(json.dumps(problem.document() | {"seed": 1}), encoding="utf-8")
+    assert main(["run", str(path), "--output", str(folder), "--json"]) == 0
+    capsys.readouterr()
+    assert main(["jackknife", str(folder), "--by", "test"]) == 0
+    shown = capsys.readouterr()
+    assert "At most 19 runs, which the fits without each test share." in shown.err
+    assert "fitted without each test" in shown.out
+    assert "pulled most by" in shown.out
+    assert main(["statistics", str(folder), "--json"]) == 0
+    found = told(capsys)["linearisation"]["without_tests"]["parameters"]["b"]  # type: ignore[index]
+    assert found["values"]["test_2"] == pytest.approx(fit(problem, 1)[1], rel=1e-3)
+    assert main(["report", str(folder), "--html", "--output", str(tmp_path)]) == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert page.count("Fitted again without each test.") == 1
+    assert "By linearisation, without further runs." not in page
+    assert main(["report", str(folder / "jackknife"), "--html", "--output", str(tmp_path)]) == 0
+    assert "Fitted without each of 4 tests." in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_of_one_test_none_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["jackknife", str(folder)]) == 2
+    assert "needs at least 3 tests with readings, got a single one" in capsys.readouterr().err
+
+
+@pytest.mark.slow
 def test_a_job_gets_follow_up_jobs(client: Client, capsys: pytest.CaptureFixture[str]) -> None:
     job = client.wait(client.submit(noisy()).id, timeout=PATIENCE).id
     url = ["--url", client.base_url]
@@ -100,6 +162,6 @@ def test_a_job_gets_follow_up_jobs(client: Client, capsys: pytest.CaptureFixture
     assert "standard error" in capsys.readouterr().out
     assert main(["influence", job, "--kind", "morris", "--samples", "8", *url]) == 0
     assert main(["posterior", job, *url]) == 0
-    assert "worth" in capsys.readouterr().out
+    assert "equivalent to" in capsys.readouterr().out
     assert main(["profile", job, "--at", "a=1", *url]) == 2
     assert "give it to 'sensitivity'" in capsys.readouterr().err

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.estimates.classical import classical_evaluation, classical_values
 from geoswarm.solver.estimates.granular import alpha_at_peak, bauer_fit, stiffness_exponent
-from geoswarm.solver.estimates.proposal import candidates_of
+from geoswarm.solver.estimates.proposal import candidates_of, proposed
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.problem import Problem, parse_problem
 
@@ -145,3 +146,22 @@ def test_what_is_read_first_is_known_to_what_follows() -> None:
     (alpha,) = candidates_of(one)["alpha"]
     assert alpha.value == pytest.approx(KARLSRUHE["alpha"], rel=0.02)
     assert alpha.source == "shear: peak of q; Herle & Gudehus (1999)"
+
+
+@pytest.mark.parametrize("material", ["hypoplastic_sand", "hardening_soil"])
+def test_the_bend_of_sand_is_no_preconsolidation(material: str) -> None:
+    document = sand({"dense": 0.7, "loose": 0.95}).document()
+    if material == "hardening_soil":
+        for part in document["forward_model"]["parts"].values():
+            part["material"] = material
+        moduli = {"E50_ref": 3e4, "Eoed_ref": 3e4, "Eur_ref": 9e4, "m": 0.5, "c": 0.5, "phi": 33.0}
+        document["parameters"] = {name: {"value": value} for name, value in moduli.items()}
+        document["parameters"]["Eoed_ref"] = {"lower": 1e3, "upper": 1e5}
+        assert "POP" in {one.name for one in proposed(parse_problem(document))}
+        document["index_properties"] = {"min_void_ratio": 0.55, "max_void_ratio": 0.95}
+    problem = parse_problem(document)
+    found = [one for one in classical_values(problem) if one.symbol == "σ′p"]
+    assert [(one.part, one.value) for one in found] == [("dense", None), ("loose", None)]
+    assert "bends without any preconsolidation" in found[0].why
+    assert classical_evaluation(problem).constructions == ()
+    assert "POP" not in {one.name for one in proposed(problem)}

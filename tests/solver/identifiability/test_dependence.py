@@ -106,7 +106,7 @@ def test_few_readings_cannot_exclude_a_correlation(count: int, least: float, mos
     assert ratio.max() <= most
     assert (np.diff(correlated.intervals, axis=1)[0] > np.diff(unknown.intervals, axis=1)[0]).all()
     if count < 50:
-        words = f"widened for a correlation that so few readings cannot exclude by a factor of {ratio[0, 0]:.2g}"
+        words = f"widened by a factor of {ratio[0, 0]:.2g} for a correlation that so few readings cannot exclude"
         assert (words in unknown.interval_in_words("a")) == (ratio[0, 0] >= 1.05)  # a factor of 1 is not said
         assert not unknown.departures
     else:
@@ -124,7 +124,7 @@ def test_standard_errors_do_not_allow_for_dependence_and_intervals_are_never_nar
     classical = np.sqrt(squares / (COUNT - 2) * np.diag(np.linalg.inv(JACOBIAN.T @ JACOBIAN)))
     np.testing.assert_allclose(found.standard_errors, classical, rtol=1e-6)
     assert (np.diff(found.intervals, axis=1)[:, 0] > 2.0 * QUANTILE * classical).all()
-    assert "widened for correlated residuals" in found.interval_in_words("b")
+    assert "for correlated residuals" in found.interval_in_words("b")
     # an error that is stated and larger than the residuals is not undercut by them
     stated = from_evaluations(calibration, *evaluate_differences(calibration, best.parameters), noise=5.0)
     usual = 1.959964 * 5.0 * np.sqrt(np.diag(np.linalg.inv(JACOBIAN.T @ JACOBIAN)))

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.identifiability import Linearisation, Samples, Statistics, analyse
+from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.identifiability import Linearisation, Samples, Statistics, StatisticsError, analyse
+from geoswarm.solver.identifiability.errors import NotExaminedError
+from geoswarm.solver.identifiability.optimum.differences import residual_rows
+from geoswarm.solver.identifiability.stored.findings import Findings, findings_of, join_findings
+from geoswarm.solver.identifiability.stored.follow_ups import jackknife_problem
+from geoswarm.solver.methods.jackknife import JackknifeMethod
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.uncertainty_tables import left_out_table
 from geoswarm.solver.report.figures.labels import parameter_labels
+from geoswarm.solver.search import Runs
 from tests.solver.identifiability.cases import X, free, linearised
 
 
@@ -65,7 +73,7 @@ def test_intervals_of_tests_that_differ_are_those_between_the_tests() -> None:
     assert found.basis("b") == "tests"
     assert found.without is not None
     assert found.intervals[1] == pytest.approx(found.without.intervals[1], rel=1e-9)
-    assert "widened for tests that differ by a factor of" in found.interval_in_words("b")
+    assert " for tests that differ" in found.interval_in_words("b")
     alike, _ = at_optimum(several(np.full(5, 2.0), 0.05 * rng.normal(size=(5, X.size))))
     assert alike.fit.kind == "describes"
     assert alike.basis("b") != "tests"
@@ -171,3 +179,156 @@ def test_intervals_cover_the_mean_of_specimens_that_scatter(tests: int) -> None:
         middle = 2.0 + np.polyfit(X, 0.1 * np.sin(2.0 * X), 1)[0]  # what this model makes of the missing mechanism
         covered.append(low <= middle <= high)
     assert 0.91 <= np.mean(covered) <= 0.985
+
+
+def fitted_without(problem: Problem, found: Linearisation, runs: int | None = None) -> tuple[Findings, int]:
+    """What the fits without each test find, restored from their snapshot at every generation, and their runs."""
+    question = jackknife_problem(problem, found, seed=1, runs=runs)
+    calibration, method = Calibration(question, 1), question.method
+    assert isinstance(method, JackknifeMethod)
+    done: list[Evaluation] = []
+    search = method.search(calibration.space, question.series_by_test)
+    while (due := search.ask()) is not None:
+        done += [calibration.evaluate(position) for position in due]
+        rows = residual_rows(calibration, done)
+        objectives = np.array([np.inf if one.objective is None else one.objective for one in done[-len(due) :]])
+        search.tell(objectives, Runs.of(np.array([one.parameters for one in done]), rows))
+        search = method.search(calibration.space, question.series_by_test, json.loads(json.dumps(search.snapshot())))
+    assert len(done) <= method.runs
+    return findings_of(question, 1, done), len(done)
+
+
+def test_fits_without_each_test_are_exact_for_a_linear_model() -> None:
+    rng = np.random.default_rng(3)
+    problem = several(np.array([2.0, 2.2, 1.7, 2.1]), 0.05 * rng.normal(size=(4, X.size)))
+    found, refitted = at_optimum(problem)
+    findings, runs = fitted_without(problem, found)
+    assert findings.jackknife is not None
+    assert findings.jackknife.values == pytest.approx(refitted, rel=1e-6)
+    assert (findings.jackknife.pulling("b"), findings.notes) == ("test_3", ())
+    assert runs == 3 + 4  # the optimum, a move of each parameter, one run of each fit
+
+
+def curves(values: FloatArray, noise: FloatArray) -> Problem:
+    """Tests on saturating curves, each with its own (a, b)."""
+    flat = several(np.ones(len(values)), np.zeros((len(values), X.size)), "a * (1 - exp(-b * x))").document()
+    for observation, own, off in zip(flat["observations"], values, noise, strict=True):
+        observation["points"]["y"] = (curve(own) + off).tolist()
+    flat["parameters"] = {"a": free(0.1, 20.0), "b": free(0.01, 10.0) | {"scale": "log"}}
+    return parse_problem(flat)
+
+
+def curve(values: FloatArray) -> FloatArray:
+    return np.asarray(values[0] * (1.0 - np.exp(-values[1] * X)))
+
+
+def fit(problem: Problem, without: int | None = None) -> FloatArray:
+    """Least squares by SciPy, without one of the tests."""
+    bounds = ([p.lower for p in problem.free], [p.upper for p in problem.free])
+    return best_of(np.array([o.y for row, o in enumerate(problem.observations) if row != without]), bounds)
+
+
+def best_of(readings: FloatArray, bounds: Any = (0.01, 20.0)) -> FloatArray:
+    found = least_squares(lambda v: (readings - curve(v)).ravel(), [3.0, 0.8], bounds=bounds, xtol=1e-12, ftol=1e-12)
+    return np.asarray(found.x)
+
+
+def scattered(seed: int, tests: int) -> tuple[FloatArray, FloatArray]:
+    """Values of each specimen, and a mechanism that the model misses by far more than the readings scatter."""
+    rng = np.random.default_rng(seed)
+    values = np.array([3.0, 0.8]) + np.array([0.3, 0.12]) * rng.normal(size=(tests, 2))
+    missed = 0.3 * np.sin(2.0 * X) * rng.normal(size=(tests, 1))
+    return values, missed + 0.02 * rng.normal(size=(tests, X.size))
+
+
+@pytest.mark.parametrize(("seed", "tests"), [(1, 4), (5, 3)])
+def test_fits_without_each_test_follow_a_nonlinear_model(seed: int, tests: int) -> None:
+    problem = curves(*scattered(seed, tests))
+    findings, _ = fitted_without(problem, linearised(problem, fit(problem).tolist()))
+    found = findings.jackknife
+    assert found is not None
+    refitted = np.array([fit(problem, row) for row in range(tests)])
+    assert np.abs((found.values - refitted) / np.ptp(found.intervals, axis=1)).max() < 0.01
+    assert findings.notes == ()
+
+
+def test_a_fit_ends_at_a_bound_and_says_so() -> None:
+    values, noise = scattered(1, 4)
+    document = curves(values, noise).document()
+    document["parameters"]["b"]["upper"] = 0.86
+    problem = parse_problem(document)
+    findings, _ = fitted_without(problem, linearised(problem, fit(problem).tolist()))
+    assert findings.jackknife is not None
+    assert findings.jackknife.values[1] == pytest.approx(fit(problem, 1), abs=2e-3)
+    assert findings.notes == ("without test_2, the best fit lies on the upper bound of b",)
+
+
+def test_too_few_runs_are_said() -> None:
+    problem = curves(*scattered(1, 4))
+    findings, runs = fitted_without(problem, linearised(problem, fit(problem).tolist()), runs=5)
+    assert runs == 5
+    assert findings.notes[0].startswith("the fit without test_1, ")
+    assert findings.notes[0].endswith("has not settled within 5 runs, so its values are not its best; give more than 5")
+
+
+def test_what_the_other_tests_do_not_determine_has_no_value_without_it() -> None:
+    document = several(np.array([2.0, 2.6, 1.3]), np.zeros((3, X.size))).document()
+    document["forward_model"]["parts"]["test_1"]["series"]["y"] = "a + b * x + c * x**2"
+    document["parameters"]["c"] = free(-1.0, 1.0)
+    problem = parse_problem(document)
+    rows = np.array([[1.0, x, x**2 * (g == 0)] for g in range(3) for x in X.tolist()])
+    best = np.linalg.lstsq(rows, np.concatenate([o.y for o in problem.observations]))[0]
+    found = fitted_without(problem, linearised(problem, best.tolist()))[0].jackknife
+    assert found is not None
+    assert np.isnan(found.values).tolist() == [[False, False, True], [False] * 3, [False] * 3]
+    without_first = np.polyfit(np.tile(X, 2), np.concatenate([o.y for o in problem.observations[1:]]), 1)[::-1]
+    assert found.values[0, :2] == pytest.approx(without_first, rel=1e-6)
+
+
+def test_fits_take_the_place_of_the_estimate_in_the_intervals() -> None:
+    problem = curves(*scattered(1, 4))
+    linear = linearised(problem, fit(problem).tolist())
+    findings, _ = fitted_without(problem, linear)
+    joined = join_findings([findings, Findings(linear)]).linearisation
+    assert joined is not None
+    assert findings.jackknife is not None
+    assert joined.between_tests == ("a", "b")
+    assert joined.intervals == pytest.approx(findings.jackknife.intervals, rel=1e-12)
+    assert joined.without is findings.jackknife
+    assert left_out_table(joined.without, parameter_labels(problem)).note.startswith("Fitted again without each test.")
+    assert joined.widening == pytest.approx(linear.widening * joined.unit_widths / linear.unit_widths)
+
+
+def test_two_tests_are_too_few_to_leave_one_out() -> None:
+    problem = curves(*scattered(1, 2))
+    found = linearised(problem, fit(problem).tolist())
+    with pytest.raises(StatisticsError, match="at least 3 tests with readings, got test_1, test_2"):
+        jackknife_problem(problem, found, seed=1)
+
+
+def test_a_point_far_from_the_minimum_is_no_start() -> None:
+    problem = curves(*scattered(1, 3))
+    found = linearised(problem, [5.0, 0.3])
+    assert found.misplaced
+    with pytest.raises(NotExaminedError, match="standard errors from the minimum"):
+        jackknife_problem(problem, found, seed=1)
+
+
+@pytest.mark.slow
+def test_intervals_of_fits_cover_the_mean_of_specimens_of_a_nonlinear_model() -> None:
+    """200 data bases of ten tests: specimens scatter, and no specimen has what the model misses.
+
+    A 95 % interval covers 91 to 98.5 % of 200 with a chance of 99.7 %.
+    """
+    rng, missed, spread = np.random.default_rng(5), 0.3 * np.sin(2.0 * X), np.array([0.3, 0.12])
+    specimens = np.array([3.0, 0.8]) + spread * np.random.default_rng(1).normal(size=(4000, 2))
+    middle = best_of(np.array([curve(own) for own in specimens]) + missed)  # what this model makes of all specimens
+    covered = []
+    for _ in range(200):
+        values = np.array([3.0, 0.8]) + spread * rng.normal(size=(10, 2))
+        problem = curves(values, missed + 0.02 * rng.normal(size=(10, X.size)))
+        found = fitted_without(problem, linearised(problem, fit(problem).tolist()))[0].jackknife
+        assert found is not None
+        covered.append((found.intervals[:, 0] <= middle) & (middle <= found.intervals[:, 1]))
+    share = np.mean(covered, axis=0)
+    assert ((share >= 0.91) & (share <= 0.985)).all()

@@ -7,13 +7,13 @@ import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
 import { ENDED, OPEN } from "../states.js";
 
-const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened for correlated residuals", uneven: " (widened for uneven residuals", possible: " (widened for a correlation that so few readings cannot exclude", stated: " (widened for correlated noise, as stated", tests: " (widened for tests that differ", moved: " (by likelihood from one run at each end)", profile: " (by likelihood)" };
+const BASES = { bent: " (approximate: the model is nonlinear there; profiles give it)", correlated: " (widened{by} for correlated residuals)", uneven: " (widened{by} for uneven residuals)", possible: " (widened{by} for a correlation that so few readings cannot exclude)", stated: " (widened{by} for correlated noise, as stated)", tests: " (widened{by} for tests that differ)", moved: " (by likelihood from one run at each end)", profile: " (by likelihood)" };
 
 /** What an interval rests on; a factor that rounds to 1 is not said. */
 function basisOf({ bent, interval_basis: basis, widening }) {
   const words = BASES[bent ? "bent" : basis] ?? "";
-  if (!words || words.endsWith(")")) return words;
-  return widening && widening < 1.05 ? "" : `${words}${widening ? ` by a factor of ${number(widening, 2)}` : ""})`;
+  if (words.includes("{by}") && widening && widening < 1.05) return "";
+  return words.replace("{by}", widening ? ` by a factor of ${number(widening, 2)}` : "");
 }
 
 const AGAIN_SECONDS = 2;
@@ -21,6 +21,7 @@ const AGAIN_SECONDS = 2;
 const KINDS = [
   ["sensitivity", "sensitivity", BUTTONS.sensitivity, "Goes to the minimum; standard errors, intervals, combinations"],
   ["profile", "profile", BUTTONS.profile, "The lowest objective for every value of a parameter; needs the sensitivities first"],
+  ["jackknife", "jackknife", BUTTONS.jackknife, "Fits the parameters again without each test: which test pulls; needs the sensitivities first"],
   ["explore", "explore", BUTTONS.explore, "Runs where a second basin is most likely: swapped values, other good runs, unexplored places"],
   ["sobol", "global-sensitivity", "Global sensitivity (Sobol)", "Influence over the whole searched space"],
 ];
@@ -47,6 +48,7 @@ export class Uncertainty {
     this.onCosts(this.costs);
     for (const [kind, , words] of KINDS) {
       const cost = this.costs.get(kind), button = this.starts.get(kind);
+      button.hidden = !cost; // of one test none can be left out
       if (cost) exchange(button, words, element("small", {}, cost.refused ? "" : costWords(cost)));
     }
   }
@@ -102,19 +104,19 @@ export class Uncertainty {
     if (open) this.timer = setTimeout(() => this.refresh(), 1000 * AGAIN_SECONDS);
   }
 
-  intervals({ linearisation, notes, fit }) {
-    const remarks = notes.map((text) => element("p", { class: "help" }, text));
+  intervals({ linearisation, jackknife, notes, fit }) {
+    const remarks = [...this.withoutTests(jackknife ?? linearisation?.without_tests, Boolean(jackknife)), ...notes.map((text) => element("p", { class: "help" }, text))];
     if (!linearisation) return [element("p", { class: "empty" }, "No sensitivities at the optimum have been evaluated yet."), ...remarks];
     const rows = Object.entries(linearisation.parameters).map(([name, at]) => element("tr", {}, element("th", { scope: "row" }, `${symbol(name)}${this.units[name] === "-" ? "" : ` [${this.units[name]}]`}`),
       element("td", { class: "n" }, number(at.value, 5)), element("td", { class: "n" }, number(at.standard_error, 3)),
       element("td", {}, at.interval ? `${ends(...at.interval)}${basisOf(at)}` : at.why_no_interval ?? "–"), element("td", { class: "n" }, number(at.influence, 3))));
     const head = ["Parameter", "At the optimum", "Standard error", `${percent(linearisation.level)} interval${doubt(fit) ? `: does not hold. ${doubt(fit)}` : ""}`, "Influence"];
     const where = linearisation.at_optimum || linearisation.distance.every((d) => d === null) ? "" : "The search had not reached the minimum: these values are those of a point near it.";
-    return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...this.withoutTests(linearisation.without_tests), ...remarks];
+    return [element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)))), element("tbody", {}, rows))), where ? element("p", { class: "help" }, where) : "", ...remarks];
   }
 
   /** The values without each of the tests, and the interval between tests. */
-  withoutTests(found) {
+  withoutTests(found, fitted) {
     if (!found) return [];
     const each = Object.entries(found.parameters);
     const row = (head, cell) => element("tr", {}, element("th", { scope: "row" }, head), each.map(([, one]) => element("td", { class: "n" }, cell(one))));
@@ -122,7 +124,7 @@ export class Uncertainty {
       element("thead", {}, element("tr", {}, element("th", { scope: "col" }, "Tests"), each.map(([name]) => element("th", { scope: "col", class: "n" }, symbol(name))))),
       element("tbody", {}, found.tests.map((test) => row(`without ${test}`, ({ values }) => (values[test] === null ? "–" : number(values[test], 4)))),
         row("95 % interval between tests", ({ interval }) => (interval ? ends(...interval) : "–")), row("pulled most by", ({ pulls }) => pulls ?? "–")))),
-    element("p", { class: "help" }, "By linearisation, without further runs; each test counts as one piece of information. A dash: one test alone determines the parameter.")];
+    element("p", { class: "help" }, `${fitted ? "Fitted again without each test" : "By linearisation, without further runs"}; each test counts as one piece of information. A dash: one test alone determines the parameter.`)];
   }
 
   showProfiles(profiles) {
