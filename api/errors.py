@@ -16,17 +16,19 @@ import logging
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
+from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.routing import Match, Mount
 
 from geoswarm.api.headers import add_security_headers
 from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError, StatisticsError
+from geoswarm.solver.sentences import parts_json
 from geoswarm.workers.errors import (
     BrokerUnavailableError,
     EvaluationNotFoundError,
@@ -52,6 +54,7 @@ __all__ = [
     "ApiSettingsError",
     "DetailError",
     "IssueDetail",
+    "KeyWords",
     "PortInUseError",
     "ProblemDetail",
     "detail_response",
@@ -79,11 +82,22 @@ class ApiSettingsError(ApiError):
     """A setting of the service is wrong; the message names it and what it accepts."""
 
 
+class KeyWords(BaseModel):
+    """A key of the problem in a sentence, for which a form has words of its own."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    path: str = Field(description="where it stands, for example observations[0].y_unit")
+    text: str = Field(description="as a problem file says it: `y_unit: mm`")
+    value: str = Field(description="what it is to be given; empty where it is only named")
+
+
 class IssueDetail(BaseModel):
     """One mistake in what was sent."""
 
     path: str = Field(description="where it is, for example parameters.c.lower")
     message: str = Field(description="what is wrong there and what is accepted")
+    parts: list[str | KeyWords] | None = Field(None, description="the message with the keys in it, if it names some")
 
 
 class ProblemDetail(BaseModel):
@@ -135,6 +149,10 @@ class DetailError(ApiError):
         self.headers = dict(headers or {})
 
 
+def _issue(issue: Issue) -> dict[str, Any]:
+    return {"path": issue.path, "message": issue.message, "parts": parts_json(issue.parts) or None}
+
+
 def detail_response(error: DetailError, *, instance: str | None = None) -> JSONResponse:
     """Build the application/problem+json response of an error."""
     body = ProblemDetail(
@@ -143,7 +161,7 @@ def detail_response(error: DetailError, *, instance: str | None = None) -> JSONR
         status=error.status,
         detail=error.detail,
         instance=instance,
-        issues=[IssueDetail(path=issue.path, message=issue.message) for issue in error.issues] or None,
+        issues=[IssueDetail.model_validate(_issue(issue)) for issue in error.issues] or None,
     )
     return JSONResponse(
         body.model_dump(exclude_none=True), status_code=error.status, headers=error.headers, media_type=MEDIA_TYPE

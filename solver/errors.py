@@ -105,7 +105,7 @@ class Issue:
     def about(cls, path: str, sentence: Sentence, within: str = "") -> Issue:
         """A mistake whose message names keys of the problem, by their paths ``within`` a part of it."""
         keys = tuple(replace(one, path=f"{within}{one.path}") if isinstance(one, Key) else one for one in sentence)
-        return cls(path, plain(sentence), keys)
+        return cls(path, plain(sentence), keys if any(isinstance(one, Key) for one in keys) else ())
 
     def __post_init__(self) -> None:
         # What was written is quoted in messages, and may be of any length.

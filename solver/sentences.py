@@ -7,10 +7,10 @@ settlement” mm``, ``api/static/js/new/words.js``). Nothing takes a sentence ap
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, TypeAlias
 
-__all__ = ["Key", "Sentence", "parts_json", "plain", "setting"]
+__all__ = ["Key", "Sentence", "parts_json", "plain", "relative", "setting"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +44,11 @@ def setting(path: str, value: str = "") -> Key:
 def plain(parts: Iterable[str | Key]) -> str:
     """The sentence in the words of the problem file."""
     return "".join(part if isinstance(part, str) else part.text for part in parts)
+
+
+def relative(parts: Iterable[str | Key]) -> Sentence:
+    """The sentence with keys that stand in no part of the problem yet: without the dot of their parent."""
+    return tuple(part if isinstance(part, str) else replace(part, path=part.path.removeprefix(".")) for part in parts)
 
 
 def parts_json(parts: Iterable[str | Key]) -> list[str | dict[str, Any]]:

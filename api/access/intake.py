@@ -29,6 +29,7 @@ LARGE_BODIES = frozenset(
         "/problems/check",
         "/problems/warm-starts",
         "/problems/read",
+        "/problems/tests",
         "/measurements",
         "/measurements/points",
         "/measurements/stages",

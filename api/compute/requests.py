@@ -10,7 +10,7 @@ __all__ = ["is_compute", "job_of"]
 
 _ALWAYS = re.compile(
     r"/api/v1/(?:"
-    r"problems/(?:check|warm-starts|read)|measurements(?:/(?:points|ags(?:/problem)?))?|forward-models(?:/[^/]+)?"
+    r"problems/(?:check|warm-starts|read|tests)|measurements(?:/(?:points|ags(?:/problem)?))?|forward-models(?:/[^/]+)?"
     r"|jobs/[^/]+/(?:fit|diagrams|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
     r"|jackknife|explore|predict|design|follow-ups|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
     r")"

@@ -11,7 +11,7 @@ from geoswarm.api.access.bodies import FileContent
 from geoswarm.api.dependencies import limiter, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.schemas.drafts import MeasuredPoints, MeasuredStages, MeasurementFile
-from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import TableError, measured_points, measured_stages, read_measurements
 
 __all__ = ["router"]
@@ -39,8 +39,9 @@ async def read_file(
         slot = limiter(request, "files")
         found = await anyio.to_thread.run_sync(read_measurements, content, name, sheet, limiter=slot)
     except TableError as error:
-        issues = [Issue("", message) for message in error.messages]
-        raise DetailError(422, str(error), kind="unreadable-file", title="File cannot be read", issues=issues) from None
+        raise DetailError(
+            422, str(error), kind="unreadable-file", title="File cannot be read", issues=error.issues()
+        ) from None
     return MeasurementFile.model_validate(found)
 
 

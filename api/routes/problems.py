@@ -8,22 +8,34 @@ from typing import Any
 import anyio.to_thread
 from fastapi import APIRouter, Request
 from fastapi.responses import JSONResponse
+from pydantic import ValidationError
 
 from geoswarm.api.access.bodies import ProblemDocument, ProblemText
 from geoswarm.api.dependencies import Service, limiter, problems_of
 from geoswarm.api.drafts import describe_draft
 from geoswarm.api.errors import DetailError
 from geoswarm.api.routes.jobs import PROBLEM_BODY
-from geoswarm.api.schemas.drafts import ProblemDraft
+from geoswarm.api.schemas.drafts import FilesOfTests, ProblemDraft, ProblemOfTests
 from geoswarm.api.schemas.jobs import CheckResult, WarmStarts
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
+from geoswarm.solver.problem.draft import document_of_tests
+from geoswarm.solver.problem.issues import issues_of
 from geoswarm.solver.problem.text.reading import Form
 from geoswarm.solver.registered.schema import registered_models, section_schema
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/problems", tags=["problems"])
+
+TESTS_BODY = {
+    "required": True,
+    "description": "a problem with `tests`, and the files that these name",
+    "content": {
+        "application/json": {"schema": FilesOfTests.model_json_schema()},
+        "application/yaml": {"schema": {"type": "string"}},
+    },
+}
 
 
 @router.post("/check", responses=problems_of(400, 408, 413, 415, 422), openapi_extra={"requestBody": PROBLEM_BODY})
@@ -55,6 +67,15 @@ async def read(given: ProblemText, request: Request) -> ProblemDraft:
     return await anyio.to_thread.run_sync(_draft, text, form, limiter=limiter(request, "drafts"))
 
 
+@router.post("/tests", responses=problems_of(400, 408, 413, 415, 422), openapi_extra={"requestBody": TESTS_BODY})
+async def make_tests(document: ProblemDocument, request: Request) -> ProblemOfTests:
+    """Make parts and observations of a table of laboratory tests and its files. Nothing is stored.
+
+    What the problem lacks beyond its tests is no mistake here.
+    """
+    return await anyio.to_thread.run_sync(_of_tests, document, limiter=limiter(request, "drafts"))
+
+
 @router.get("/schema", response_model=dict[str, Any], responses=problems_of())
 def schema() -> JSONResponse:
     """Show the JSON schema of the problem file, with the sections of all installed forward models."""
@@ -62,6 +83,14 @@ def schema() -> JSONResponse:
     for name, declaration in registered_models():  # for forms; any of them is a forward_model_registered
         found["$defs"][f"forward_model_registered_{name}"] = section_schema(name, declaration)
     return JSONResponse(found)  # as it is: 0.2 MB, which FastAPI would look through once more
+
+
+def _of_tests(document: dict[str, Any]) -> ProblemOfTests:
+    try:
+        given = FilesOfTests.model_validate(document)
+    except ValidationError as error:
+        raise ProblemError(issues_of(error, document, "", FilesOfTests.model_json_schema)) from None
+    return ProblemOfTests(problem=document_of_tests(given.problem, given.files))
 
 
 def _draft(text: str, form: Form) -> ProblemDraft:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Base64Bytes, BaseModel, Field
 
+from geoswarm.api.errors import KeyWords
 from geoswarm.api.schemas.jobs import Model, Number, Parameter, Series
 
 __all__ = [
@@ -16,21 +17,14 @@ __all__ = [
     "Example",
     "ExampleList",
     "ExampleSummary",
-    "KeyWords",
+    "FilesOfTests",
     "MeasuredPoints",
     "MeasuredStages",
     "MeasurementColumn",
     "MeasurementFile",
     "ProblemDraft",
+    "ProblemOfTests",
 ]
-
-
-class KeyWords(Model):
-    """A key of the problem in a sentence, for which a form has words of its own."""
-
-    path: str = Field(description="where it stands, for example observations[0].y_unit")
-    text: str = Field(description="as a problem file says it: `y_unit: mm`")
-    value: str = Field(description="what it is to be given; empty where it is only named")
 
 
 class DraftIssue(Model):
@@ -96,6 +90,21 @@ class ProblemDraft(BaseModel):
     to_be_accepted: list[str] = Field(description="series that `accept` must name for the problem to run as it is")
     free_parameters: list[str]
     planned_evaluations: int | None = Field(description="null with mistakes, or when no number limits the search")
+
+
+class FilesOfTests(BaseModel):
+    """A problem with a table of laboratory tests, and its files."""
+
+    problem: dict[str, Any] = Field(description="with `tests`; what else it lacks is no mistake")
+    files: dict[str, Base64Bytes] = Field(
+        max_length=200, description="contents in base64 by name, without folders: the table and the files of its rows"
+    )
+
+
+class ProblemOfTests(BaseModel):
+    """A problem with parts and observations in place of its table of tests."""
+
+    problem: dict[str, Any]
 
 
 class MeasurementColumn(Model):

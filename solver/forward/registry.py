@@ -17,6 +17,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from geoswarm.solver.errors import BrokenForwardModelError, SolverError, UnknownForwardModelError, in_words
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
+from geoswarm.solver.laws import registry as laws
 from geoswarm.solver.system.installed import Installed
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ _MOST_SKETCHES = 12
 log = logging.getLogger(__name__)
 
 _foreign_reader: Callable[[Mapping[str, Any]], ForwardModelSpec] | None = None
+_foreign_law_trial: Callable[[Mapping[str, Any]], str | None] | None = None
 
 _installed: Installed[type[ForwardModelSpec]] = Installed(
     "forward model",
@@ -174,10 +176,24 @@ def forget() -> None:
     _installed.forget()
 
 
-def read_foreign_sections(reader: Callable[[Mapping[str, Any]], ForwardModelSpec] | None) -> None:
-    """Have sections of models of other packages read by a function from now on; None: their classes are imported."""
-    global _foreign_reader
-    _foreign_reader = reader
+def read_foreign_sections(
+    reader: Callable[[Mapping[str, Any]], ForwardModelSpec] | None,
+    trial: Callable[[Mapping[str, Any]], str | None] | None = None,
+) -> None:
+    """Have sections of models of other packages read by a function from now on; None: their classes are imported.
+
+    ``trial`` says what is against reading a section with a law of another package.
+    """
+    global _foreign_reader, _foreign_law_trial
+    _foreign_reader, _foreign_law_trial = reader, trial
+
+
+def _has_foreign_law(value: Any) -> bool:
+    """Whether a section, or what is in it, names a law of another package."""
+    if isinstance(value, str):
+        return value not in laws.BUILT_IN and value in laws.kinds()
+    inner = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()
+    return any(map(_has_foreign_law, inner))
 
 
 def parse_spec(section: Any) -> ForwardModelSpec:
@@ -195,6 +211,10 @@ def parse_spec(section: Any) -> ForwardModelSpec:
     kind = section.get("kind")
     if _foreign_reader is not None and kind not in BUILT_IN and kind in kinds():
         return _foreign_reader(section)
+    if _foreign_law_trial is not None and kind != "combined" and _has_foreign_law(section):
+        why = _foreign_law_trial(section)
+        if why is not None:
+            raise _refused((), "with its law the forward model {why}", kind, {"why": why})
     if not isinstance(kind, str):
         raise _refused(("kind",), "give the kind of forward model as text; known kinds: {known}", kind, _known())
     try:

@@ -26,7 +26,15 @@ from geoswarm.solver.problem.text.reading import plain_document, read_document, 
 from geoswarm.solver.problem.text.writing import problem_yaml
 from geoswarm.solver.sentences import Sentence
 
-__all__ = ["Draft", "LocatedIssue", "draft_of_document", "draft_of_text", "inlined_document", "located"]
+__all__ = [
+    "Draft",
+    "LocatedIssue",
+    "draft_of_document",
+    "document_of_tests",
+    "draft_of_text",
+    "inlined_document",
+    "located",
+]
 
 _TAKEN_IN = {
     "sort",
@@ -139,6 +147,25 @@ def _model(section: str) -> tuple[ForwardModelSpec | None, ForwardModel | None]:
 @lru_cache(maxsize=16)  # drafts are judged at every change, most of which are elsewhere; a section plans a mesh
 def _built(section: str) -> ForwardModel:
     return built(parse_spec(json.loads(section)))
+
+
+def document_of_tests(document: dict[str, Any], files: Mapping[str, bytes]) -> dict[str, Any]:
+    """The same problem with parts and observations for its table of tests; it may lack what is not of the tests.
+
+    Raises
+    ------
+    ProblemError
+        Mistakes in the table, its rows or their files.
+    """
+    made: dict[str, Any] | None = None
+    try:
+        with without_table(document, files) as made:
+            parse_problem(made)
+    except ProblemError as error:
+        of_tests = [issue for issue in error.issues if re.match(r"tests\b", issue.path)]
+        if of_tests or made is None:
+            raise ProblemError(of_tests or error.issues) from None
+    return made
 
 
 def inlined_document(path: Path) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import ObservationSection
-from geoswarm.solver.problem.observations import unit_of_data
 from geoswarm.solver.problem.points import columns_of
+from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import table_of
 from geoswarm.solver.problem.tables.headings import Heading
 from geoswarm.solver.problem.tables.reading import TableError
@@ -76,7 +76,7 @@ def measured_stages(
     try:
         table = table_of(content, name, columns_of(section))
     except TableError as error:
-        raise ProblemError([Issue("", message) for message in error.messages]) from None
+        raise ProblemError(error.issues()) from None
     days = section.x_factor * in_base_unit("x", table.x, section.x_unit, "day", table.x_heading)
     loads = in_base_unit("load", table.y, load_unit, "kPa", table.y_heading)
     return _stages(days, loads, table.y, load_column)
@@ -97,8 +97,8 @@ def in_base_unit(
         if wrong is None:
             return np.asarray(convert(values, unit or base, base), dtype=np.float64)
     except UnitError as error:
-        wrong = str(error)
-    raise ProblemError([Issue(f"{axis}_unit" if given else f"{axis}_column", wrong)])
+        wrong = (str(error),)
+    raise ProblemError([Issue.about(f"{axis}_unit" if given else f"{axis}_column", wrong)])
 
 
 def _stages(days: FloatArray, loads: FloatArray, given: Sequence[float], column: str) -> LoadStages:

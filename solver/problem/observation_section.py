@@ -15,10 +15,7 @@ from geoswarm.solver.problem.tables.dates import DateForm, moment_in
 from geoswarm.solver.problem.tables.numerals import DecimalSign
 from geoswarm.solver.section import Section
 
-__all__ = ["UNSTATED", "ObservationSection", "PointsSection"]
-
-UNSTATED = "unstated"
-"""In place of a unit, where readings come from a file that names none: right for numbers without dimension only."""
+__all__ = ["ObservationSection", "PointsSection"]
 
 
 class PointsSection(Section):

@@ -14,22 +14,19 @@ from geoswarm.solver.errors import Issue, ProblemError, SolverError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
 from geoswarm.solver.loss import TUNING, Loss
 from geoswarm.solver.problem.issues import number
-from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
+from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.points import Points
 from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
+from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
-from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
-from geoswarm.solver.problem.tables.picking import is_cells
 from geoswarm.solver.sentences import Sentence, setting
-from geoswarm.solver.units import UnitError, convert, same_unit, shown_unit
+from geoswarm.solver.units import UnitError, convert, shown_unit
 from geoswarm.solver.words import did_you_mean
 
-__all__ = ["Observation", "build_observations", "preparation_issues", "unit_of_data"]
+__all__ = ["Observation", "build_observations", "preparation_issues"]
 
 _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
 _LEAST_SCALE = 1e-150  # of a loss: its square is an ordinary number
-_USUAL = {"m": "mm, cm or m", "day": "s, min, h or day", "kPa": "kPa, MPa or kg/cm2", "degree": "degree or rad"}
-"""Units that laboratories write, as examples."""
 _MOST_ISSUES = 100
 _MOST_NAMES = 50  # known series that a message lists
 
@@ -196,7 +193,7 @@ def _build(
         unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x", needed=needed)
         units[axis] = unit
         if wrong is not None:
-            issues.append(Issue(f"{path}.{axis}_{'unit' if given else 'column'}", wrong))
+            issues.append(Issue.about(f"{path}.{axis}_{'unit' if given else 'column'}", wrong, f"{path}."))
             continue
         try:
             array = np.array(values, dtype=np.float64) if unit is None else convert(values, unit, base)
@@ -241,9 +238,9 @@ def _build(
     mean_error = points.mean_error(chosen)
     if deviation is not None:
         deviation *= mean_error
-    loss, wrong = _loss(section, deviation, units["y"], info)
-    if wrong is not None:
-        return None, [Issue(f"{path}.loss_scale", wrong)]
+    loss, beyond = _loss(section, deviation, units["y"], info)
+    if beyond is not None:
+        return None, [Issue(f"{path}.loss_scale", beyond)]
     return (
         Observation(
             section.series,
@@ -298,60 +295,6 @@ def _loss(
         most = 1.0 / _LEAST_SCALE
         return None, f"must be from {_LEAST_SCALE:g} to {most:g} {info.y_unit}, got {scale:g} {info.y_unit}"
     return Loss(section.loss, scale), None
-
-
-def unit_of_data(
-    axis: str, given: str | None, base: str, heading: Heading | None, *, unitless: bool, needed: bool = False
-) -> tuple[str | None, str | None]:
-    """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong.
-
-    ``unitless``: a formula or a program, whose series without a unit take the numbers as they are. ``needed``: pure
-    numbers need a unit, too, as strains do.
-    """
-    pure = same_unit(base, "1") and not needed
-    if given == UNSTATED:
-        return None, None if pure else f"the file names no known unit; give {axis}_unit: {_usual(base)}"
-    if heading is None:
-        return given, None
-    column = f"column '{heading.name}'"
-    if given is not None:
-        if heading.dates and not same_unit(given, "day"):
-            return given, f"{column} holds dates, which are read as days: leave {axis}_unit out, not {given}"
-        if heading.in_cells and heading.unit is not None and not same_unit(given, heading.unit):
-            return given, f"the cells of {column} are in {heading.unit}: leave {axis}_unit out, not {given}"
-        return given, None
-    possible = [one for one in heading.named if one.unit is None or _fits(one.unit, base)]
-    unclear, best = unclear_unit(possible), best_unit(possible)
-    if best is not None:
-        return (best.unit, None) if unclear is None else (None, f"{column} {unclear}; {axis}_unit says which holds")
-    if unitless and same_unit(base, "1"):
-        return None, None
-    other = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"
-    if heading.certain:
-        if same_unit(base, "1"):
-            return None, f"{column} is in {heading.unit}, but the series has no unit; name another column"
-        return None, f"{column} is in {heading.unit}, {other}, or give {axis}_unit"
-    if unclear is not None:
-        return None, f"{column} {unclear}; {axis}_unit says what the numbers are in"
-    if pure:
-        return None, None
-    shown, usual = ", ".join(number(value) for value in heading.first), f"give {axis}_unit: {_usual(base)}"
-    if heading.unit is not None:
-        return None, f"{column} ({shown}, ...) may be in {heading.unit}, {other} column, or {usual}"
-    brackets = "" if is_cells(heading.name) else ", or write it in brackets behind the name in the file"
-    return None, f"{column} ({shown}, ...) has no unit; {usual}{brackets}"
-
-
-def _usual(base: str) -> str:
-    return _USUAL.get(base, base or "'%' or dimensionless")
-
-
-def _fits(unit: str, base: str) -> bool:
-    try:
-        convert(1.0, unit, base)
-    except UnitError:
-        return False
-    return True
 
 
 def _checked_x(

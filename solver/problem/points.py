@@ -16,9 +16,10 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem.issues import number, validated
-from geoswarm.solver.problem.observation_section import UNSTATED, ObservationSection
+from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.readings.joined import BlockError, BlockSection, joined
 from geoswarm.solver.problem.readings.preparation import Preparation, PreparationError, Readings, prepared
+from geoswarm.solver.problem.readings.units import UNSTATED
 from geoswarm.solver.problem.stages import by_stage, stage_times
 from geoswarm.solver.problem.tables.blocks import shown
 from geoswarm.solver.problem.tables.cells import file_content, read_cells
@@ -27,6 +28,7 @@ from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document
+from geoswarm.solver.sentences import relative
 from geoswarm.solver.units import UnitError, convert
 
 __all__ = [
@@ -152,7 +154,7 @@ def read_points(
     try:
         content = file_content(file)
     except TableError as error:
-        return None, [Issue(f"{path}.file", message) for message in error.messages]
+        return None, error.issues(f"{path}.file")
     return points_of_file(section, path, content, file.name, spec)
 
 
@@ -184,7 +186,8 @@ def measured_points(
     spec = None if forward_model is None else known_spec(read_document(forward_model, "json"))
     points, issues = points_of_file(section, "", content, name, spec)
     if points is None or issues:
-        raise ProblemError([replace(issue, path=issue.path.removeprefix(".")) for issue in issues])
+        sentences = [(issue.path.removeprefix("."), issue.parts or (issue.message,)) for issue in issues]
+        raise ProblemError([Issue.about(path, relative(sentence)) for path, sentence in sentences])
     units = {"x_unit": section.x_unit, "y_unit": section.y_unit}
     if points.by_load:
         units["x_unit"] = "dimensionless"
@@ -240,14 +243,14 @@ def _table(
         try:
             tables.append(table_of(content, name, replace(part, turn=turn), read))
         except TableError as error:
-            return None, [], [Issue(at, message) for message in error.messages]
+            return None, [], error.issues(at, f"{path}.")
     if section.blocks is None:
         return tables[0], [], []
     starts = np.empty(0) if spec is None else stage_times(spec, section.series)
     try:
         table, done = joined(section.blocks, tables, (section.x_unit, section.y_unit), starts)
     except BlockError as error:
-        return None, [], [Issue(f"{path}.blocks[{error.place}].{error.key}", str(error))]
+        return None, [], [Issue.about(f"{path}.blocks[{error.place}].{error.key}", error.sentence, f"{path}.")]
     return table, [f"{name}: {done}"], []
 
 

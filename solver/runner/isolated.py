@@ -17,7 +17,7 @@ import sys
 import threading
 import time
 from collections.abc import Collection, Mapping
-from functools import partial
+from functools import cache, partial
 from typing import Any, LiteralString
 
 import numpy as np
@@ -32,6 +32,7 @@ from geoswarm.solver.forward.registry import read_foreign_sections
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.runner.evaluator import NoProcessError
 from geoswarm.solver.system.environment import clean_environment, numerics
+from geoswarm.solver.system.installed import load_after
 from geoswarm.solver.system.processes import child_program, kill_session, memory_of
 
 __all__ = ["isolate_foreign_models"]
@@ -44,6 +45,9 @@ _MESSAGE: LiteralString = "{message}"
 def isolate_foreign_models(memory_mb: float, passed: tuple[str, ...] = (), *, seconds: float = 300.0) -> None:
     """Keep forward models of other packages out of this process from now on.
 
+    Their laws and methods come into it once they were loaded, and models with such laws built, in the process apart
+    without ending it.
+
     Parameters
     ----------
     memory_mb, seconds
@@ -51,7 +55,9 @@ def isolate_foreign_models(memory_mb: float, passed: tuple[str, ...] = (), *, se
     passed
         Names of environment variables that forward models get in addition to the usual ones.
     """
-    read_foreign_sections(partial(_read, _Host(memory_mb, passed, seconds)))
+    host = _Host(memory_mb, passed, seconds)
+    read_foreign_sections(partial(_read, host), lambda section: host.ended_by(json.dumps(dict(section)), "build"))
+    load_after(cache(lambda group, kind: host.ended_by(group, "load", kind)))
 
 
 class _EndedError(Exception):
@@ -105,6 +111,18 @@ class _Host:
         if "reason" in answer:
             raise RunFailedError(answer["reason"], answer["message"])
         raise BrokenForwardModelError(answer["message"])
+
+    def ended_by(self, section: str, question: str, *given: Any) -> str | None:
+        """How a question ends the process, twice; None where it does not, whatever the answer."""
+        with self._lock:
+            for _ in range(2):
+                try:
+                    self._asked(section, question, given)
+                except _EndedError as error:
+                    ended = str(error)
+                else:
+                    return None
+        return ended
 
     def _asked(self, section: str, question: str, given: tuple[Any, ...]) -> dict[str, Any]:
         self._number += 1

@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import lru_cache
+from importlib.metadata import entry_points
 from typing import Any
 
 import numpy as np
@@ -98,9 +99,17 @@ def _run(section: str, points: Mapping[str, Any], values: Mapping[str, float]) -
     return {name: np.asarray(y, dtype=np.float64).tolist() for name, y in run(values).items()}
 
 
+def _load(group: str, kind: str) -> None:
+    """Load what another package offers; who asks learns whether the process outlives it."""
+    for entry in entry_points(group=group):
+        if entry.name == kind:
+            entry.load()
+
+
 _QUESTIONS: dict[str, Callable[..., Any]] = {
     "describe": _described,
     "build": _build,
+    "load": _load,
     "prepare": _prepare,
     "run": _run,
     "shown": lambda section, text: str(_spec(section).shown(text)),

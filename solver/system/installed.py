@@ -15,9 +15,17 @@ from typing import Any, Generic, TypeVar
 from geoswarm.solver.errors import SolverError
 from geoswarm.solver.words import did_you_mean
 
-__all__ = ["Installed"]
+__all__ = ["Installed", "load_after"]
 
 Found = TypeVar("Found")
+
+_trial: Callable[[str, str], str | None] | None = None
+
+
+def load_after(trial: Callable[[str, str], str | None] | None) -> None:
+    """Load from other packages only what a trial, given group and kind, says nothing against from now on."""
+    global _trial
+    _trial = trial
 
 
 class Installed(Generic[Found]):
@@ -88,6 +96,10 @@ class Installed(Generic[Found]):
 
     def _load(self, entry: EntryPoint) -> Found:
         source = f"{self._noun} '{entry.name}' ({entry.value}) is installed but"
+        if _trial is not None and entry.name not in self._built_in:
+            why = _trial(self._group, entry.name)
+            if why is not None:
+                raise self._broken(f"{source} cannot be loaded: it {why}")
         try:
             found: Any = import_module(entry.module)
             for attribute in entry.attr.split("."):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 import json
 from collections.abc import MutableMapping
 from pathlib import Path
@@ -107,12 +108,42 @@ def test_blocks_and_loads_of_a_file_become_stages(app: App) -> None:
     assert (np.round(points["x"], 9).tolist(), points["y"]) == (X, Y)
 
 
+OEDOMETER = b"sigma_v [kPa],e [-]\n10,1.0\n100,0.97\n400,0.94\n"
+TESTS = b"test;file;type\nOE;data/oe.csv;oedometer\n"
+
+
+def test_a_table_of_tests_with_its_files_becomes_parts(app: App) -> None:
+    """It was refused over HTTP: files can only be read beside a problem file."""
+    tests = {"table": "tests.csv", "material": "hypoplastic_sand"}
+    sent = {"tests.csv": base64.b64encode(TESTS).decode(), "oe.csv": base64.b64encode(OEDOMETER).decode()}
+    body = {"problem": {"name": "sand", "tests": tests}, "files": sent}
+    made = app.post(f"{API}/problems/tests", json=body).json()["problem"]
+    assert list(made["forward_model"]["parts"]) == ["OE"]
+    (readings,) = made["observations"]
+    assert (readings["series"], readings["points"]) == ("OE.stage_void_ratio", {"x": [1, 2], "y": [0.97, 0.94]})
+    sent["oe.csv"] = base64.b64encode(OEDOMETER.replace(b"0.97", b"n/a")).decode()
+    refused = app.post(f"{API}/problems/tests", json=body)
+    assert refused.status_code == 422
+    told = "tests.csv line 2, column 'file': data/oe.csv line 3, column e [-]: 'n/a' is not a finite number"
+    assert told in refused.json()["issues"][0]["message"]
+    del sent["oe.csv"]
+    refused = app.post(f"{API}/problems/tests", json=body)
+    assert refused.json()["detail"].endswith("column 'file': no such file: data/oe.csv; sent: tests.csv")
+    for wrong in ({"problem": body["problem"]}, body | {"files": {"a.csv": "é"}}):
+        assert app.post(f"{API}/problems/tests", json=wrong).status_code == 422
+
+
 def test_a_file_that_cannot_be_read_is_explained(app: App) -> None:
     answer = app.post(f"{API}/measurements?name=photo.png", content=b"\x89PNG\r\n\0\0")
     assert answer.status_code == 422
     assert answer.json()["type"].endswith("unreadable-file")
     assert "photo.png is neither text (CSV) nor a workbook (XLSX, ODS)" in answer.json()["detail"]
     assert app.post(f"{API}/measurements", content=b"x" * (32 * 2**20 + 1)).status_code == 413
+    query = {"observation": '{"series": "q"}'}
+    (issue,) = app.post(f"{API}/measurements/points", params=query, content=b"x,y\n1,n/a\n").json()["issues"]
+    key = {"path": "incomplete_rows", "text": "incomplete_rows: leave_out", "value": "leave_out"}
+    assert issue["parts"][2:] == [key, " passes over such rows"]
+    assert issue["message"].endswith("; incomplete_rows: leave_out passes over such rows")
 
 
 def test_every_example_is_sound_and_carries_its_data(app: App) -> None:

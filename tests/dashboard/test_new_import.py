@@ -167,19 +167,6 @@ def test_readings_larger_than_the_specimen_are_stopped_before_the_start(embedded
     expect(meant).to_have_count(0)
 
 
-def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new?example=oedometer")
-    mapping = drop(page, OWN)
-    mapping.get_by_label("Series").select_option(label="axial_strain")
-    mapping.get_by_label("Column of y", exact=True).select_option(label="Setzung [mm]")
-    expect(mapping.get_by_role("alert")).to_contain_text("is in mm, but axial strain of axial_strain has no unit but %")
-    expect(page.locator("#take")).to_be_disabled()
-    check_accessibility(page, ".mapping")
-    mapping = drop(page, "t [min];eps\n1;0.05\n2;0.1\n")
-    mapping.get_by_label("Series").select_option(label="axial_strain")
-    expect(mapping.locator(".todo")).to_have_text("“eps” has no unit: give the unit of y.")
-
-
 @pytest.mark.parametrize(
     ("answer", "y"),
     variants([("a point before decimals", "1000, 2000"), ("a comma before", "1, 2")], {"a point before decimals"}),
@@ -384,7 +371,7 @@ def test_what_is_replaced_can_be_brought_back(embedded: Site, visit: Visit) -> N
     stage = page.locator('[data-path="forward_model.stages[15].stress"]')
     expect(stage).to_have_value("800")
     page.locator("input[name=kind][value=formula]").check()
-    expect(page.locator(".undo")).to_contain_text("formula in place of oedometer: ")
+    expect(page.locator(".undo")).to_contain_text("formula instead of oedometer: ")
     expect(page.locator(".undo")).to_contain_text("stages")
     expect(stage).to_have_count(0)
     page.get_by_role("button", name="Undo", exact=True).click()

@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
+import pytest
 from playwright.sync_api import expect
 
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_new_import import chosen, drop, yaml
+from tests.solver.problem.test_blocks import SIDE
 from tests.solver.problem.test_load_stages import ANEW
 from tests.solver.problem.test_measurements import workbook
 from tests.solver.problem.test_sheets import LYING
@@ -82,3 +84,16 @@ def test_readings_in_rows_are_columns_and_the_nearest_row_of_times_is_x(embedded
     expect(chosen(mapping, "Column of x")).to_have_text("Zeit: [min] (B8:C8)")
     mapping.get_by_role("button", name=re.compile("settlement")).click()
     expect(yaml(page)).to_have_value(re.compile(r"x: \[4320(\.0)?, 5760(\.0)?\]"))
+
+
+@pytest.mark.slow
+def test_stages_side_by_side_are_joined(embedded: Site, visit: Visit) -> None:
+    """Only the readings of one stage could be taken."""
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(page, SIDE)
+    expect(mapping.get_by_role("status")).to_contain_text("3 readings.")
+    mapping.get_by_label("Join the 2 blocks with these headings, one after the other").check()
+    expect(mapping.get_by_role("status")).to_contain_text("2 blocks were joined, x of each from the start of its stage")
+    mapping.get_by_role("button", name=re.compile("Replace settlement")).click()
+    expect(yaml(page)).to_have_value(re.compile(r"x: \[0, 60, 1440, 2880, 2910, 3600, 4320\]"))
+    check_accessibility(page)

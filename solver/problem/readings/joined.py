@@ -15,6 +15,7 @@ from geoswarm.solver.problem.readings.zero import ZeroReading, zero_reading
 from geoswarm.solver.problem.tables.columns import Table
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
 from geoswarm.solver.section import Section
+from geoswarm.solver.sentences import Key, plain, setting
 from geoswarm.solver.units import UnitError, convert
 
 __all__ = ["BlockError", "BlockSection", "joined"]
@@ -46,9 +47,9 @@ class BlockSection(Section):
 class BlockError(Exception):
     """Blocks cannot be joined; ``place`` is that of the block, ``key`` its key."""
 
-    def __init__(self, place: int, key: str, message: str) -> None:
-        super().__init__(message)
-        self.place, self.key = place, key
+    def __init__(self, place: int, key: str, *message: str | Key) -> None:
+        super().__init__(plain(message))
+        self.place, self.key, self.sentence = place, key, message
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +115,9 @@ def _axis(name: str, values: Sequence[list[float]], headings: Sequence[Heading],
                 array = convert(array, own_unit or _UNKNOWN, unit or _UNKNOWN)
             except UnitError:
                 told = f"'{heading.name}' is in {own_unit or 'no known unit'}, '{first.name}' of block 1 in"
-                message = f"{told} {unit or 'no known unit'}; {name}_unit says what all of them are in"
-                raise BlockError(place, f"{name}_column", message) from None
+                told += f" {unit or 'no known unit'}; "
+                remedy = setting(f"{name}_unit"), " says what all of them are in"
+                raise BlockError(place, f"{name}_column", told, *remedy) from None
         found.append(array)
     return _Axis(found, given or _unit(first))
 
@@ -153,7 +155,8 @@ def _since_start(place: int, stage: int, x: _Axis, starts: FloatArray) -> FloatA
     if stage > starts.size:
         raise BlockError(place, "stage", f"there is no stage {stage}; the forward model has {starts.size}")
     if x.unit is None:
-        raise BlockError(place, "x_column", "has no unit, in which the start of the stage is added; give x_unit")
+        what = "has no unit, in which the start of the stage is added; give "
+        raise BlockError(place, "x_column", what, setting("x_unit"))
     try:
         times = np.asarray(convert(starts, "day", x.unit), dtype=np.float64)
     except UnitError as error:

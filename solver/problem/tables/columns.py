@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from operator import itemgetter
 from typing import Literal, TypeVar
 
 from geoswarm.solver.problem.tables.blocks import is_heading, is_reading
@@ -35,6 +36,7 @@ from geoswarm.solver.problem.tables.picking import (
 )
 from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.sentences import Sentence, setting
 
 __all__ = ["Columns", "Table", "table_of"]
 
@@ -203,9 +205,8 @@ def _needs_cells(columns: Columns) -> bool:
 def _same_units(name: str, y: Heading, other: Heading) -> None:
     """Refuse to subtract columns of different units."""
     if y.unit is not None and other.unit is not None and y.unit != other.unit and (y.certain or other.certain):
-        raise TableError(
-            f"{name}: column '{y.name}' is in {y.unit} and y_minus, '{other.name}', in {other.unit}; give them one unit"
-        )
+        told = f", '{other.name}', in {other.unit}; give them one unit"
+        raise TableError((f"{name}: column '{y.name}' is in {y.unit} and ", setting("y_minus"), told))
 
 
 def _of_inputs(by_role: Mapping[str, T]) -> dict[str, T]:
@@ -223,7 +224,8 @@ def _is_clock(cell: Cell) -> bool:  # a number may be anything
 
 
 def _no_dates(name: str, x: Picked) -> TableError:
-    return TableError(f"{name}: x_origin is a date, but column {x.name} holds no dates; x_dates: serial reads numbers")
+    told = f" is a date, but column {x.name} holds no dates; "
+    return TableError((f"{name}: ", setting("x_origin"), told, setting("x_dates", "serial"), " reads numbers"))
 
 
 class _Reader:
@@ -233,7 +235,7 @@ class _Reader:
         self._name = name
         self._sheet = sheet
         self._wanted = wanted
-        self._messages: list[tuple[int, str]] = []
+        self._messages: list[tuple[int, Sentence]] = []
         self._incomplete: set[int] = set()
         self.units: dict[str, str] = {}
         first = columns["x"]
@@ -267,14 +269,16 @@ class _Reader:
             )
         elif said is not None:
             cell = next((cell for _, cell in x.cells if cell != "" and elapsed_days([cell], form=said) is None), "")
-            raise TableError(f"{self._name}, column {x.name}: '{cell}' is not written as {said}, as x_dates says")
+            told = f"{self._name}, column {x.name}: '{cell}' is not written as {said}, as "
+            raise TableError((told, setting("x_dates"), " says"))
         elif wanted.dates is not None or wanted.time is not None or _mostly(x, is_moment):
             moments = self._moments(x)
         elif _mostly(x, _is_clock):
             clock = next(cell for _, cell in x.cells if _is_clock(cell))
-            what = f"'{clock}' is a time of day; x_column is the column of the dates, x_time_column this one"
-            what += f"; if it is the time since the start, give x_dates: {_SINCE_START[str(clock).count(':')]}"
-            raise TableError(f"{self._name}, column {x.name}: {what}")
+            told = f"{self._name}, column {x.name}: '{clock}' is a time of day; "
+            columns = setting("x_column"), " is the column of the dates, ", setting("x_time_column"), " this one"
+            elapsed_time = setting("x_dates", _SINCE_START[str(clock).count(":")])
+            raise TableError((told, *columns, "; if it is the time since the start, give ", elapsed_time))
         elif wanted.origin is not None:
             raise _no_dates(self._name, x)
         values = {
@@ -315,8 +319,8 @@ class _Reader:
         for i, (_, cell) in enumerate(x.cells):
             moment = moment_in(cell, form)
             if moment is None and form is None and is_moment(cell):
-                what = f"'{cell}' is a date whose day or month may be first; give x_dates: day_first or month_first"
-                raise TableError(f"{self._name}, column {x.name}: {what}")
+                told = f"{self._name}, column {x.name}: '{cell}' is a date whose day or month may be first; give "
+                raise TableError((told, _FIRST_OF_DATES))
             if moment is None:
                 self._bad(i, x, f"not a date, such as {expected}")
             elif clock is not None:
@@ -350,9 +354,10 @@ class _Reader:
         doubtful = doubtful_cell([cell for _, cell in column.cells], others)
         if doubtful is not None:
             line = next(line for line, cell in column.cells if cell == doubtful)
-            told = (f"decimal_sign: {sign} reads {value:.15g}" for sign, value in two_readings(doubtful).items())
-            what = f"'{doubtful}' may have thousands; say how it is written: {', '.join(told)}"
-            raise TableError(f"{self._name} line {line}, column {column.name}: {what}")
+            told: Sentence = (f"'{doubtful}' may have thousands; say how it is written",)
+            for between, (sign, value) in zip((": ", ", "), two_readings(doubtful).items(), strict=False):
+                told = *told, between, setting("decimal_sign", sign), f" reads {value:.15g}"
+            raise TableError((f"{self._name} line {line}, column {column.name}: ", *told))
 
     def _bad(self, row: int, column: Picked, what: str) -> None:
         line, cell = column.cells[row]
@@ -363,11 +368,12 @@ class _Reader:
         problem = f"'{str(cell)[:50]}' is {what}" if cell != "" else "the cell is empty"
         if formula:
             problem = f"{str(cell)[:50]} has no stored value; let a spreadsheet program calculate and save the workbook"
-        elif what == "not a finite number" and is_moment(cell):
-            problem += "; x_dates: day_first or month_first says how a date is written"
-        elif isinstance(cell, str) and cell.isalpha() and len(cell) > 3:
-            problem += "; incomplete_rows: leave_out passes over such rows"
-        self._messages.append((line, f"{self._name} line {line}, column {column.name}: {problem}"))
+        remedy: Sentence = ()
+        if what == "not a finite number" and is_moment(cell):
+            remedy = "; ", _FIRST_OF_DATES, " says how a date is written"
+        elif not (formula or self._messages or any(map(str.isdigit, str(cell)))):
+            remedy = "; ", setting("incomplete_rows", "leave_out"), " passes over such rows"
+        self._messages.append((line, (f"{self._name} line {line}, column {column.name}: {problem}", *remedy)))
 
     def _refuse_headings(self) -> None:
         """Refuse to leave out rows of words directly below the names: they may say what the numbers are."""
@@ -376,9 +382,12 @@ class _Reader:
             cells = [one.cells[i] for one in self.columns.values() if one.cells[i][1] != ""]
             if not any(is_reading(cell) for _, cell in cells):
                 told = ", ".join(str(cell)[:50] for _, cell in cells)
+                what = (
+                    f"{self._name} line {cells[0][0]}: '{told}' stands between the names and the first row of numbers"
+                )
+                units = setting("x_unit"), " and ", setting("y_unit")
                 raise TableError(
-                    f"{self._name} line {cells[0][0]}: '{told}' stands between the names and the first row of "
-                    "numbers; if these are unknown units, give x_unit and y_unit and delete the row, else delete it"
+                    (f"{what}; if these are unknown units, give ", *units, " and delete the row, else delete it")
                 )
         for i in sorted(self._incomplete):
             cells = [one.cells[i] for one in self.columns.values() if one.cells[i][1] != ""]
@@ -392,11 +401,12 @@ class _Reader:
     def _raise_errors(self) -> None:
         if not self._messages:
             return
-        shown = [message for _, message in sorted(self._messages)[:_MOST_MESSAGES]]
+        shown = [sentence for _, sentence in sorted(self._messages, key=itemgetter(0))[:_MOST_MESSAGES]]
         more = len(self._messages) - len(shown)
         raise TableError(*shown, *([f"{self._name}: {more} more bad cells"] if more else []))
 
 
+_FIRST_OF_DATES = setting("x_dates", "day_first or month_first")
 _SINCE_START = {1: "hh:mm or mm:ss", 2: "hh:mm:ss"}
 _AS_WRITTEN = {"day_first": "31/12/2024 08:30", "month_first": "12/31/2024 08:30"}
 

@@ -11,6 +11,7 @@ from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, w
 from geoswarm.solver.problem.tables.dates import elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
+    Named,
     best_unit,
     guess_unit,
     heading_of,
@@ -22,6 +23,7 @@ from geoswarm.solver.problem.tables.packed import FORMULA, Cell, column_letters
 from geoswarm.solver.problem.tables.picking import Picked, lying_rows
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.units import convert
 
 __all__ = ["Column", "Measurements", "read_measurements"]
 
@@ -187,8 +189,9 @@ def _column(
             None if moment is None or first is None else (moment - first).total_seconds() / 86400 for moment in moments
         )
     named = heading_of(heading, commented, dates=kind == "time", in_cells=in_cells).named
-    unclear = unclear_unit(named)
-    best = best_unit(named, BASES) if unclear is None else None
+    best = best_unit(named, BASES)
+    unclear = unclear_unit(named) or (None if best is not None else _other_quantity(best_unit(named)))
+    best = best if unclear is None else None
     read = sum(value is not None for value in values)
     shown = tuple(_shown(cell) for cell in cells[:_FIRST_ROWS])
     return Column(
@@ -206,6 +209,16 @@ def _column(
         _entries(cells),
         shown,
     )
+
+
+def _other_quantity(named: Named | None) -> str | None:
+    """What a column is in whose unit no series has; None where it is not certain that this is a unit."""
+    if named is None or named.unit is None or not named.certain:
+        return None
+    if named.base != "kN":
+        return f"is in {named.unit}, which is no length, time, stress, angle or number"
+    factor = f"{float(convert(1.0, named.unit, 'kN')):g} / A"
+    return f"is in {named.unit}, a force; for a stress in kPa the factor is {factor} with the area A in m2"
 
 
 def _kind(

@@ -17,6 +17,7 @@ from geoswarm.solver.problem.tables.headings import guess_unit, without_brackets
 from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_letters, column_number
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.workbooks import named_cells
+from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.words import listed
 
 __all__ = [
@@ -90,14 +91,14 @@ def column_of(sheet: Sheet, wanted: str) -> list[int]:
 def all_picked(sheet: Sheet, rows: Rows, wanted: Mapping[str, str], file: str) -> dict[str, Picked]:
     """All columns by role; what is wrong with each of them is told at once."""
     found: dict[str, Picked] = {}
-    messages: list[str] = []
+    sentences: list[Sentence] = []
     for role, text in wanted.items():
         try:
             found[role] = _picked(sheet, rows, role, text, file)
         except TableError as error:
-            messages += error.messages
-    if messages:
-        raise TableError(*messages)
+            sentences += error.sentences
+    if sentences:
+        raise TableError(*sentences)
     return found
 
 
@@ -109,7 +110,7 @@ def _picked(sheet: Sheet, rows: Rows, role: str, text: str, file: str) -> Picked
             raise
         names = [heading for heading in sheet.header if heading] or ["column 1", "column 2"]
         suggested = names[min(("x", "y").index(role), len(names) - 1)]
-        raise TableError(f"{error}; say which it is: {role}_column: {suggested}") from None
+        raise TableError((f"{error}; say which it is: ", setting(f"{role}_column", suggested))) from None
 
 
 def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:

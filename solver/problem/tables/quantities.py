@@ -37,7 +37,8 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"deviator|^q$", ("q",)),
     (r"mittlere \w*[ ]?(haupt)?spannung|mean (effective )?stress|^p['’′]?$", ("p", "mean_effective_stress")),
     (
-        r"(horizontal|seiten|radial|zell)\w*[ ]?(spannung|druck)|(horizontal|lateral|radial|cell) (stress|pressure)",
+        r"(horizontal|seiten|radial|zell)\w*[ ]?(spannung|spg\b|druck)"
+        r"|(horizontal|lateral|radial|cell) (stress|pressure)",
         ("lateral_stress", "radial_stress", "horizontal_stress"),
     ),
     (r"ruhedruckbeiwert|^k ?0$", ("K0",)),
@@ -56,10 +57,10 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
         ("settlement", "axial_displacement"),
     ),
     (
-        r"verformung|verschiebung|\bweg\b|wegaufnehmer|displacement|deformation|dial|gauge|messuhr|ablesung",
+        r"verformung|verschiebung|\bweg\b|wegaufnehmer|displacement|deformation|\bdial|gauge|messuhr|ablesung",
         ("settlement", "axial_displacement"),
     ),
-    (r"spannung|stress|auflast|\blast\b|^(σ|sigma)", ("axial_stress", "normal_stress", "effective_stress")),
+    (r"spannung|spg\b|stress|auflast|\blast\b|^(σ|sigma)", ("axial_stress", "normal_stress", "effective_stress")),
 )
 """Patterns of headings and what they mean, the likeliest first; the first pattern that is found counts."""
 

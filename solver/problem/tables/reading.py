@@ -6,6 +6,9 @@ import csv
 import re
 from collections.abc import Iterator, Sequence
 
+from geoswarm.solver.errors import Issue
+from geoswarm.solver.sentences import Sentence, plain
+
 __all__ = [
     "BLANKS",
     "MAX_CELL_CHARACTERS",
@@ -46,11 +49,16 @@ _NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][+-]?\d+)?", 
 
 
 class TableError(Exception):
-    """A table cannot be read; ``messages`` names every bad cell by line and column."""
+    """A table cannot be read; ``sentences`` name every bad cell by line and column, with keys of the observation."""
 
-    def __init__(self, *messages: str) -> None:
-        self.messages = messages
-        super().__init__("; ".join(messages))
+    def __init__(self, *messages: str | Sentence) -> None:
+        self.sentences = tuple((one,) if isinstance(one, str) else one for one in messages)
+        self.messages = tuple(map(plain, self.sentences))
+        super().__init__("; ".join(self.messages))
+
+    def issues(self, path: str = "", within: str = "") -> list[Issue]:
+        """The mistakes at a path of the problem; keys are those ``within`` a part of it."""
+        return [Issue.about(path, sentence, within) for sentence in self.sentences]
 
 
 def decoded(content: bytes) -> str:

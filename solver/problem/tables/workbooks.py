@@ -20,6 +20,7 @@ from geoswarm.solver.problem.tables.packed import (
     formula_text,
 )
 from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.sentences import setting
 
 __all__ = ["named_cells", "read_workbook"]
 
@@ -145,7 +146,9 @@ def _chosen(
         if merit == _WELL and not alone:
             break
     if len(well) > 1:
-        raise TableError(f"{name}: several sheets have these columns, {', '.join(well)}; give sheet: {well[0]}")
+        raise TableError(
+            (f"{name}: several sheets have these columns, {', '.join(well)}; give ", setting("sheet", well[0]))
+        )
     return (sheets[-1], []) if best is None else best[1:]
 
 

@@ -15,7 +15,7 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.problem.issues import describe
 from geoswarm.solver.problem.test_table.readings import SERIES, Curve, curves_of, loads_of, unknown_keys
-from geoswarm.solver.problem.test_table.rows import Row, rows_of
+from geoswarm.solver.problem.test_table.rows import Files, Row, rows_of
 
 __all__ = ["without_table"]
 
@@ -42,7 +42,7 @@ class _Origins:
 
 
 @contextmanager
-def without_table(document: dict[str, Any], folder: Path | None) -> Iterator[dict[str, Any]]:
+def without_table(document: dict[str, Any], files: Files) -> Iterator[dict[str, Any]]:
     """Make each row of ``tests`` a part of the forward model and an observation for each of its curves.
 
     Each test counts alike (``weighting: by_test``) unless the document gives a weighting. Inside the context, mistakes
@@ -50,8 +50,8 @@ def without_table(document: dict[str, Any], folder: Path | None) -> Iterator[dic
 
     Parameters
     ----------
-    folder
-        Where relative files lie; None when no files may be read (problems that came over the network).
+    files
+        Where the files are.
 
     Raises
     ------
@@ -61,14 +61,14 @@ def without_table(document: dict[str, Any], folder: Path | None) -> Iterator[dic
     if document.get(_KEY) is None:
         yield {key: value for key, value in document.items() if key != _KEY}
         return
-    plain, origins = _without(document, folder)
+    plain, origins = _without(document, files)
     try:
         yield plain
     except ProblemError as error:
         raise ProblemError(list(dict.fromkeys(map(origins.placed, error.issues)))) from None
 
 
-def _without(document: dict[str, Any], folder: Path | None) -> tuple[dict[str, Any], _Origins]:
+def _without(document: dict[str, Any], files: Files) -> tuple[dict[str, Any], _Origins]:
     given = document.get("forward_model", {"kind": "combined"})
     if not isinstance(given, dict) or given.get("kind") != "combined" or not isinstance(given.get("parts", {}), dict):
         message = f"with tests only kind: combined is accepted, with further parts or none; got {describe(given)}"
@@ -78,13 +78,13 @@ def _without(document: dict[str, Any], folder: Path | None) -> tuple[dict[str, A
     parts: dict[str, Any] = dict(given.get("parts", {}))
     observations: list[Any] = list(document.get("observations", []))
     origins, issues = _Origins(), list[Issue]()
-    for row in rows_of(document[_KEY], folder):
+    for row in rows_of(document[_KEY], files):
         name = _name(row)
         if name in parts:
             issues.append(row.issue("name", f"is '{name}', which another test has; give each test a name of its own"))
             continue
         try:
-            part, found = _part(row, folder, _declared(document, name))
+            part, found = _part(row, files, _declared(document, name))
         except ProblemError as error:
             issues += error.issues
             continue
@@ -112,10 +112,10 @@ def _declared(document: dict[str, Any], name: str) -> frozenset[str]:
     return frozenset(key.removeprefix(f"{name}.") for key in (parameters if isinstance(parameters, dict) else ()))
 
 
-def _part(row: Row, folder: Path | None, declared: frozenset[str]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+def _part(row: Row, files: Files, declared: frozenset[str]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     section = row.section
     kind = str(section.kind)
-    curves, extra = curves_of(row, folder)
+    curves, extra = curves_of(row, files)
     fields = [key for key in find_spec(kind).model_fields if key not in ("kind", "stages", "shearing", "consolidation")]
     if issues := unknown_keys(row, extra, fields):
         raise ProblemError(issues)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from geoswarm.solver.arrays import FloatArray
@@ -13,10 +12,9 @@ from geoswarm.solver.problem.issues import validated
 from geoswarm.solver.problem.load_stages import in_base_unit
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.points import Points, points_of_file, units_found
-from geoswarm.solver.problem.tables.cells import file_content
 from geoswarm.solver.problem.tables.measurements import Column, read_measurements
 from geoswarm.solver.problem.tables.reading import TableError
-from geoswarm.solver.problem.test_table.rows import FILES_REFUSED, Row
+from geoswarm.solver.problem.test_table.rows import Files, Row, content_of
 from geoswarm.solver.words import did_you_mean, listed
 
 __all__ = ["SERIES", "Curve", "curves_of", "loads_of", "unknown_keys"]
@@ -58,7 +56,7 @@ class Curve:
     observation: dict[str, Any]
 
 
-def curves_of(row: Row, folder: Path | None) -> tuple[list[Curve], dict[str, Any]]:
+def curves_of(row: Row, files: Files) -> tuple[list[Curve], dict[str, Any]]:
     """The curves of a test, and the keys of the row that are of its part.
 
     Raises
@@ -76,10 +74,8 @@ def curves_of(row: Row, folder: Path | None) -> tuple[list[Curve], dict[str, Any
         name: {key: extra.pop(f"{name}_{word}") for word, key in _OF_SERIES.items() if f"{name}_{word}" in extra}
         for name in known
     }
-    if folder is None:
-        raise ProblemError([row.issue("file", FILES_REFUSED)])
     try:
-        content = file_content(folder / str(section.file))
+        content = content_of(files, str(section.file))
         x, found = _found_columns(row, content, columns)
     except TableError as error:
         raise ProblemError([row.issue("file", message) for message in error.messages]) from None

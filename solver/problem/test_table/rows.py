@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, TypeAlias, get_args
 
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import describe, number, validated
@@ -15,11 +15,16 @@ from geoswarm.solver.problem.tables.headings import guess_unit
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.test_table.section import SpecimenRow, SpecimenTable, TestKind
 from geoswarm.solver.units import UnitError, convert
+from geoswarm.solver.words import listed
 
-__all__ = ["FILES_REFUSED", "Row", "rows_of"]
+__all__ = ["Files", "Row", "content_of", "rows_of"]
+
+Files: TypeAlias = Path | Mapping[str, bytes] | None
+"""Where files are: a folder, what was sent by name, or nowhere (problems that came over the network)."""
 
 FILES_REFUSED = (
-    "files can only be read beside a problem file; geoswarm inline PROBLEM writes the problem with its readings inside"
+    "files can only be read beside a problem file; geoswarm inline PROBLEM writes the problem with its readings "
+    "inside; POST /api/v1/problems/tests makes it of files that are sent"
 )
 _MOST_ROWS = 100
 _KINDS: dict[str, tuple[str, str | None]] = {
@@ -78,7 +83,25 @@ class Row:
         return Issue(f"{self.path}.{key}" if key else self.path, message)
 
 
-def rows_of(given: Any, folder: Path | None) -> list[Row]:
+def content_of(files: Files, name: str) -> bytes:
+    """What a file holds; of files that were sent, the one with this name, wherever it lay.
+
+    Raises
+    ------
+    TableError
+        There is no such file, or no file can be read.
+    """
+    if files is None:
+        raise TableError(FILES_REFUSED)
+    if isinstance(files, Path):
+        return file_content(files / name)
+    own = re.split(r"[\\/]", name)[-1]
+    if own not in files:
+        raise TableError(f"no such file: {name}; sent: {listed(list(files)[:_MOST_ROWS]) if files else 'none'}")
+    return files[own]
+
+
+def rows_of(given: Any, files: Files) -> list[Row]:
     """The rows of the section ``tests`` of a problem file.
 
     Raises
@@ -98,7 +121,7 @@ def rows_of(given: Any, folder: Path | None) -> list[Row]:
         raise ProblemError([Issue("tests", f"give either table (a file) or rows (a list of tests); {found}")])
     common = {key: value for key, value in given.items() if key not in ("table", "table_sheet", "rows")}
     if section.table is not None:
-        rows = _of_table(section.table, section.table_sheet, folder)
+        rows = _of_table(section.table, section.table_sheet, files)
     else:
         at = "tests" if "rows" not in given or len(given) == 1 else "tests.rows"
         rows = [Row(row, f"{at}[{place}]") for place, row in enumerate(section.rows or ())]
@@ -108,13 +131,11 @@ def rows_of(given: Any, folder: Path | None) -> list[Row]:
     return [row for row, _ in checked]
 
 
-def _of_table(table: str, sheet: str | None, folder: Path | None) -> list[Row]:
-    if folder is None:
-        raise ProblemError([Issue("tests", FILES_REFUSED)])
+def _of_table(table: str, sheet: str | None, files: Files) -> list[Row]:
     try:
-        grid = read_cells(file_content(folder / table), table, sheet).grid
+        grid = read_cells(content_of(files, table), table, sheet).grid
     except TableError as error:
-        raise ProblemError([Issue("tests", message) for message in error.messages]) from None
+        raise ProblemError(error.issues("tests")) from None
     named = {line: [_key_of(heading) for heading in cells] for line, cells in grid.items()}
     first = next((line for line, found in named.items() if "file" in dict(found)), None)
     if first is None:

@@ -101,7 +101,10 @@ def test_a_sheet_of_a_workbook(tmp_path: Path) -> None:
         tmp_path, "a.xlsx", content, **{**keys, "sheet": "Other"}
     )
     bad = mistakes(tmp_path, "a.xlsx", workbook(("s", ROWS), strings=STRINGS), x_column="time", y_column="settlement")
-    assert bad == "observations[0].file: a.xlsx line 5, column settlement (mm): '#N/A' is not a finite number"
+    assert bad == (
+        "observations[0].file: a.xlsx line 5, column settlement (mm): '#N/A' is not a finite number; "
+        "incomplete_rows: leave_out passes over such rows"
+    )
     assert "not a workbook, so it has no sheet 's'" in mistakes(tmp_path, "a.csv", "x,y\n1,2\n", sheet="s")
 
 

@@ -10,11 +10,12 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import TableError, measured_points, read_measurements
-from geoswarm.solver.problem.observations import unit_of_data
+from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import Columns, table_of
 from geoswarm.solver.problem.tables.headings import heading_of
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, number_of
 from geoswarm.solver.problem.tables.quantities import quantities_of
+from geoswarm.solver.sentences import plain
 from geoswarm.solver.units import convert
 from tests.solver.problem.test_columns import mistakes, observed
 from tests.solver.problem.test_laboratory_files import DAY, ods_cell, open_document, sheet_rows
@@ -249,6 +250,8 @@ def test_what_is_wrong_is_told_with_its_field(given: str, path: str, message: st
         ("Radialdehnung", "radial_strain"),
         ("radial displacement", "radial_displacement"),
         ("Seitendruck", "lateral_stress"),
+        ("Radialspg.", "lateral_stress"),
+        ("Axialspg.", "axial_stress"),
         ("Verformung", "settlement"),
         ("Bemerkung", "remark"),
     ],
@@ -259,7 +262,7 @@ def test_words_of_laboratories_are_understood(heading: str, meant: str) -> None:
     assert quantities_of(heading.upper()) == found
 
 
-@pytest.mark.parametrize("heading", ["column 1", "x", "y", "temperature", "Wassergehalt", "Kanal 3", ""])
+@pytest.mark.parametrize("heading", ["column 1", "x", "y", "temperature", "Wassergehalt", "Kanal 3", "Radialvol.", ""])
 def test_what_is_not_known_is_not_guessed(heading: str) -> None:
     assert quantities_of(heading) == ()
 
@@ -287,8 +290,8 @@ def test_a_factor_or_quotient_before_a_unit_is_asked_for(heading: str, told: str
     unit, wrong = unit_of_data("y", None, "kPa", named, unitless=False)
     assert unit is None
     assert wrong is not None
-    assert f"'{told[:1]}" in wrong
-    assert "y_unit says" in wrong
+    assert f"'{told[:1]}" in plain(wrong)
+    assert "y_unit says" in plain(wrong)
     assert unit_of_data("y", "kPa", "kPa", named, unitless=False) == ("kPa", None)
 
 
@@ -303,8 +306,10 @@ def test_a_strain_without_a_unit_is_asked_for(heading: str) -> None:
     unit, wrong = unit_of_data("x", None, "", named, unitless=False, needed=True)
     assert unit is None
     assert wrong is not None
-    assert f"'{heading}' (0.05, 0.1, ...) has no unit; give x_unit: '%' or dimensionless" in wrong
-    assert "give y_unit: '%' or" in str(unit_of_data("y", "unstated", "", named, unitless=False, needed=True)[1])
+    assert f"'{heading}' (0.05, 0.1, ...) has no unit; give x_unit: '%' or dimensionless" in plain(wrong)
+    unstated = unit_of_data("y", "unstated", "", named, unitless=False, needed=True)[1]
+    assert unstated is not None
+    assert "give y_unit: '%' or" in plain(unstated)
     assert unit_of_data("x", None, "", named, unitless=False) == (None, None)  # a void ratio
 
 

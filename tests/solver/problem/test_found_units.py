@@ -233,7 +233,11 @@ def test_words_that_are_no_units(heading: str) -> None:
         ("q [div]", "column 'q [div]' names 'div', which is not a known unit; y_unit says what the numbers are in"),
         ("q in Skalenteilen", "names 'Skalenteilen', which is not a known unit"),
         ("q [mPa]", "names 'mPa', which is not a known unit"),
-        ("q [kN]", "column 'q [kN]' is in kN, but the series has kPa"),
+        (
+            "q [N]",
+            "column 'q [N]' is in N, a force, but the series needs a stress; name a column of stresses, or give "
+            "y_unit: kPa and y_factor: 0.001 / A with the area A in m2 of the specimen",
+        ),
         ("q in Sekunden", "is in s, but the series has kPa"),
         *(
             (f"{heading} {unit}", f"has a factor or a function, '{told}', beside kPa; y_unit says which holds")

@@ -189,3 +189,11 @@ def test_one_cell_far_away_costs_no_table() -> None:
 def test_an_unknown_sheet_names_the_known_ones() -> None:
     with pytest.raises(TableError, match="no sheet 'Other'; its sheets: Readings, Notes"):
         read_measurements(workbook(("Readings", ROWS), ("Notes", ""), strings=STRINGS), "a.xlsx", "Other")
+
+
+def test_a_force_is_named_as_such() -> None:
+    """The form said that the column had no unit."""
+    x, force, volume = read_measurements(b"eps [%];Kraft [N];V [cm3]\n0.1;10;3\n1;40;2\n", "a.csv").columns
+    assert x.unclear is None
+    assert force.unclear == "is in N, a force; for a stress in kPa the factor is 0.001 / A with the area A in m2"
+    assert volume.unclear == "is in cm^3, which is no length, time, stress, angle or number"

@@ -9,8 +9,9 @@ import numpy as np
 
 from geoswarm.solver.problem.issues import validated
 from geoswarm.solver.problem.observation_section import ObservationSection
-from geoswarm.solver.problem.observations import unit_of_data
 from geoswarm.solver.problem.points import points_of_file
+from geoswarm.solver.problem.readings.units import unit_of_data
+from geoswarm.solver.sentences import plain
 from geoswarm.solver.units import convert
 from tests.solver.problem.test_laboratory_files import sheet_rows
 from tests.solver.problem.test_measurements import workbook
@@ -122,7 +123,7 @@ def read(one: Made) -> tuple[np.ndarray, np.ndarray] | str:
     ):
         unit, wrong = unit_of_data(axis, None, base, heading, unitless=False)
         if wrong is not None:
-            return wrong
+            return plain(wrong)
         assert unit is not None
         found.append(convert(values, unit, base))
     return found[0], found[1]

@@ -8,13 +8,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import BrokenForwardModelError, ProblemError
-from geoswarm.solver.forward.registry import read_foreign_sections
+from geoswarm.solver.forward.registry import parse_spec, read_foreign_sections
+from geoswarm.solver.laws import registry as laws
+from geoswarm.solver.methods.registry import UnknownMethodError, find_method
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner import isolated, isolated_host
 from geoswarm.solver.runner.evaluator import NoProcessError
+from geoswarm.solver.system.installed import load_after
 from tests.attacks.attacks import bad
 
 
@@ -40,8 +44,11 @@ def install(host: isolated._Host) -> None:
 @pytest.fixture(autouse=True)
 def stand_ins(misbehaving_models: None) -> Iterator[None]:  # noqa: ARG001
     install(Direct(1000.0, (), 60.0))
+    laws.forget()
     yield
     read_foreign_sections(None)
+    load_after(None)
+    laws.forget()
 
 
 def test_a_stand_in_answers_as_the_model_does() -> None:
@@ -82,3 +89,35 @@ def test_a_model_that_ends_its_process_ends_nothing_else() -> None:
     with pytest.raises(BrokenForwardModelError, match=r"forward model 'bad' ended its process \(exit status 7\)"):
         model.check({"slope": 4.0})
     assert model.check({"slope": 3.0}) is None
+
+
+class Ending(isolated._Host):
+    """Ends with every question."""
+
+    def _asked(self, section: str, question: str, given: tuple[Any, ...]) -> dict[str, Any]:  # noqa: ARG002
+        raise isolated._EndedError("ended its process (exit status 7)")
+
+
+OEDOMETER = {"kind": "oedometer", "height": 0.02, "initial_stress": 1, "stages": [{"stress": 9, "duration": 1}]}
+
+
+def test_laws_and_methods_that_end_the_process_apart_do_not_come_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They were imported and built in the worker itself, which ended with them."""
+    monkeypatch.setattr(isolated, "_Host", Ending)
+    isolated.isolate_foreign_models(1000.0)
+    with pytest.raises(UnknownMethodError, match=r"cannot be loaded: it ended its process \(exit status 7\)"):
+        find_method("grid")
+    assert find_method("particle_swarm")
+    section = OEDOMETER | {"material": "standard_solid"}
+    for given in (section, {"kind": "combined", "parts": {"one": section}}):
+        with pytest.raises(ValidationError, match="with its law the forward model ended its process"):
+            parse_spec(given)
+    assert parse_spec(OEDOMETER | {"material": "soft_soil"})
+
+
+def test_a_law_that_can_be_built_apart_is_built_here() -> None:
+    host = Direct(1000.0, (), 60.0)
+    section = json.dumps(OEDOMETER | {"material": "standard_solid"})
+    assert host.ended_by(section, "build") is None
+    assert host.ask(section, "build")["series"]
+    assert host.ended_by("geoswarm.laws", "load", "standard_solid") is None

@@ -4,6 +4,7 @@ import { request } from "../http.js";
 import { button } from "./schema_form.js";
 import { agsChoice, assumed, contentsOf, isAgs } from "./import/ags.js";
 import { mapping } from "./import/mapping.js";
+import { testsTable } from "./import/tests.js";
 
 const NAMED = 4; // specimens that a sentence names
 const GROUPS = ["CONG", "ESCG", "TREG", "TRIG", "MOND"]; // sheets of a workbook in the AGS format
@@ -15,24 +16,31 @@ const GROUPS = ["CONG", "ESCG", "TREG", "TRIG", "MOND"]; // sheets of a workbook
 export function uploader(context, act) {
   const place = element("div", {});
   const input = element("input", { type: "file", id: "file", class: "visually-hidden", accept: ".csv,.txt,.tsv,.xlsx,.ods,.ags", onchange: () => { if (input.files[0]) read(input.files[0]); input.value = ""; } });
+  const table = element("input", { type: "file", id: "tests-files", class: "visually-hidden", multiple: true, accept: ".csv,.txt,.tsv,.xlsx,.ods,.dat", onchange: () => { if (table.files.length) many([...table.files]); table.value = ""; } });
   const zone = element("div", { class: "drop" },
     element("p", {}, "Drop a file of measurements (CSV, XLSX or ODS) or tests of a laboratory (AGS 4) here"),
-    input, element("label", { for: "file", class: "button quiet" }, "Choose a file"),
-    element("p", { class: "help" }, "Headings such as ", element("code", {}, "settlement [mm]"), " or ", element("code", {}, "Zeit [min]"), " say what a column holds. An AGS file makes the whole problem. You see and confirm what is taken. The file goes to this service only, and is not stored."));
+    input, element("label", { for: "file", class: "button quiet" }, "Choose a file"), " ",
+    table, element("label", { for: "tests-files", class: "button quiet" }, "Add tests from a table"),
+    element("p", { class: "help" }, "Headings such as ", element("code", {}, "settlement [mm]"), " or ", element("code", {}, "Zeit [min]"), " say what a column holds. An AGS file makes the whole problem. Many tests: choose a table with a row for each (file, kind, cell pressure, void ratio) and the files that it names, together. You see and confirm what is taken. Files go to this service only, and are not stored."));
   zone.addEventListener("dragover", (event) => { event.preventDefault(); zone.classList.add("over"); });
   zone.addEventListener("dragleave", () => zone.classList.remove("over"));
   zone.addEventListener("drop", (event) => {
     event.preventDefault();
     zone.classList.remove("over");
-    if (event.dataTransfer.files[0]) read(event.dataTransfer.files[0]);
+    const files = [...event.dataTransfer.files];
+    if (files.length > 1) many(files);
+    else if (files[0]) read(files[0]);
   });
   let latest = 0; // which file was given last: answers about others come too late
 
-  async function read(file, sheet) {
+  const read = (file, sheet) => shown(file.name, async () => (await isAgs(file) ? tests(file) : columns(file, sheet)));
+  const many = (files) => shown(`${files.length} files`, () => testsTable(files, context, { replace: (problem, words) => { leave(); if (!act.replace(problem, words)) announce(words); }, cancel: leave }));
+
+  async function shown(what, making) {
     const mine = ++latest;
-    place.replaceChildren(element("p", { class: "help" }, `Reading ${file.name} …`));
+    place.replaceChildren(element("p", { class: "help" }, `Reading ${what} …`));
     try {
-      const made = await isAgs(file) ? await tests(file) : await columns(file, sheet);
+      const made = await making();
       if (mine !== latest) return;
       place.replaceChildren(made);
       place.querySelector("input, select, button")?.focus();

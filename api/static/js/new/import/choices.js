@@ -6,7 +6,7 @@ export const CELLS = "cells"; // a column that is told by its letters, cells or 
 
 /** What is chosen at first; `more` holds what few files need. */
 export function beginning() {
-  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, found: {}, more: {} };
+  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, together: false, staged: false, found: {}, more: {} };
 }
 
 /** Columns and units for a series that was chosen. */
@@ -45,6 +45,22 @@ export function specimenColumn(file) {
 }
 
 const chosen = (file, state) => [state.x, state.y, state.more.y_minus, state.more.weight_column].map((i) => file.columns[i]).filter(Boolean);
+
+/** Pairs of columns with the headings of those chosen, as stages side by side have them; empty where there is one only. */
+export function blocksAlike(file, { x, y }) {
+  const like = (chosen) => file.columns.flatMap((one, i) => (one.label === file.columns[chosen].label && one.kind === file.columns[chosen].kind && one.unit === file.columns[chosen].unit ? [i] : []));
+  if (!file.columns[x] || !file.columns[y] || x === y) return [];
+  const [xs, ys] = [like(x), like(y)];
+  return xs.length > 1 && xs.length === ys.length && !xs.some((i) => ys.includes(i)) ? xs.map((i, place) => [i, ys[place]]) : [];
+}
+
+/** These pairs as blocks of an observation: elapsed times count from the load of their stage. */
+const sideBySide = (file, state) => blocksAlike(file, state).map(([x, y], i) => ({
+  x_column: reference(file, x), y_column: reference(file, y), ...(file.columns[x].kind === "number" && state.staged ? { stage: i + 1 } : {}),
+}));
+
+/** Whether several pairs are to be taken together. */
+export const joinsBlocks = (file, state) => state.together && blocksAlike(file, state).length > 1;
 
 /** A cell that can be read in two ways, of numbers and of dates, in the columns that are taken; null: none. */
 export function doubts(file, state) {
@@ -91,6 +107,6 @@ export function section(file, state) {
     gross_error_column: column(of.gross_error_column), inputs: Object.keys(inputs).length ? inputs : undefined, where,
     x_dates: state.dates ?? undefined, x_time_column: column(of.x_time_column), x_origin: of.x_origin || undefined,
     decimal_sign: state.decimal ?? undefined, incomplete_rows: state.incomplete ? "leave_out" : undefined,
-    blocks: state.blocks ?? undefined, notes: of.notes ? [of.notes] : undefined,
+    blocks: state.blocks ?? (joinsBlocks(file, state) ? sideBySide(file, state) : undefined), notes: of.notes ? [of.notes] : undefined,
   };
 }

@@ -2,6 +2,16 @@
 import { element } from "../../dom.js";
 import { count } from "../../format.js";
 
+export const LEAVE_OUT = "Leave out rows without a number in every column";
+
+const FIELDS = {
+  sheet: "map-sheet", x_column: "map-x", y_column: "map-y", x_unit: "map-x-unit", y_unit: "map-y-unit", x_dates: "map-dates", x_time_column: "map-x_time_column",
+  x_origin: "map-origin", y_minus: "map-y_minus", decimal_sign: "map-sign", load_unit: "map-load-unit", load_column: "map-load_column",
+};
+
+/** What the field for a key of the observation is called here; nothing for one that the import does not ask for. */
+export const labelHere = (key) => (key === "incomplete_rows" ? LEAVE_OUT : document.getElementById(FIELDS[key])?.labels[0].textContent);
+
 /** A choice among [value, name, disabled?]; a value that is none of them is still to be chosen. */
 export function choice(id, label, options, value, act, { help = null, asked = false, wide = false } = {}) {
   const known = options.some(([one]) => one === value);

@@ -4,8 +4,9 @@ import { count, number } from "../../format.js";
 import { request } from "../../http.js";
 import { button } from "../schema_form.js";
 import { unitsOf } from "../units.js";
+import { messageOf } from "../words.js";
 import { CELLS, section } from "./choices.js";
-import { words } from "./inputs.js";
+import { labelHere, words } from "./inputs.js";
 import { meansLoad, reference } from "./matching.js";
 
 const SHOWN = 6; // stages that a sentence names
@@ -45,7 +46,7 @@ export function loadStages(file, content, state, context, act) {
       const found = await (await request("POST", "/measurements/stages", { query, body: content, headers: { "Content-Type": "application/octet-stream" } })).json();
       if (mine === latest) show(of, found);
     } catch (error) {
-      if (mine === latest) exchange(place, of.unit ? null : field(of), element("p", { class: "help" }, `“${of.name}” gives no stages: ${error.message}`));
+      if (mine === latest) exchange(place, of.unit ? null : field(of), element("p", { class: "help" }, `“${of.name}” gives no stages: ${(error.issues?.length ? error.issues : [error]).map((issue) => messageOf(issue, labelHere)).join("; ")}`));
     }
   }
 

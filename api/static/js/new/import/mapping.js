@@ -5,8 +5,9 @@ import { request } from "../../http.js";
 import { pointsPlot } from "../points_plot.js";
 import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
-import { CELLS, beginning, conflicts, doubts, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
-import { choice, firstRows, flag, words } from "./inputs.js";
+import { messageOf } from "../words.js";
+import { CELLS, beginning, blocksAlike, conflicts, doubts, joinsBlocks, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
+import { LEAVE_OUT, choice, firstRows, flag, labelHere, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
 import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
 import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
@@ -51,12 +52,13 @@ export function mapping(file, content, context, act) {
     running = mine;
     try {
       const loads = byLoad(info(), "x") && plainBase(state.xUnit) !== "dimensionless" ? state.xUnit || undefined : undefined;
-      const query = { name: file.name, observation: JSON.stringify({ ...section(file, state), x_unit: loads }), forward_model: context.forwardModel() };
+      const joined = joinsBlocks(file, state) && file.columns[state.x].kind === "number" ? state.xUnit || undefined : undefined;
+      const query = { name: file.name, observation: JSON.stringify({ ...section(file, state), x_unit: loads ?? joined }), forward_model: context.forwardModel() };
       points = await (await request("POST", "/measurements/points", { query, body: content, headers: { "Content-Type": "application/octet-stream" }, signal: mine.signal })).json();
       ["x", "y"].filter((axis) => state[axis] === CELLS && !byLoad(info(), axis)).forEach(found);
     } catch (error) {
       if (error.name === "AbortError") return;
-      refused = error.issues?.length ? error.issues.map(({ message }) => message) : [error.message];
+      refused = error.issues?.length ? error.issues : [error];
     }
     show();
   }
@@ -77,11 +79,11 @@ export function mapping(file, content, context, act) {
   /** What is open, wrong or done, and what the button would do. */
   function show() {
     const questions = [...open(file, state, info()), ...unitQuestions(file, state, info())], units = Object.values(conflicts(file, state, info())).filter(Boolean);
-    const incomplete = state.incomplete || refused.some((text) => /finite number|is empty|is no date|no time of day/.test(text));
+    const incomplete = state.incomplete || refused.some(({ parts }) => parts?.some(({ path }) => path === "incomplete_rows"));
     exchange(wrong,
       questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
-      [...units, ...refused].map((text) => element("p", { class: "error", role: "alert" }, text)),
-      incomplete ? flag("map-incomplete", "Leave out rows without a number in every column", state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
+      [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) => element("p", { class: "error", role: "alert" }, text)),
+      incomplete ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
     exchange(order, unsorted() && info()?.x_increasing
       ? [element("p", { class: "help stale" }, `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`),
         flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => { state.sort = on; })]
@@ -109,14 +111,15 @@ export function mapping(file, content, context, act) {
         (value) => { state.series = value; suit(state, file, info()); change(true); }, { help: about?.description, asked: true, wide: true }),
       element("div", { class: "fields wide-field" }, pick("y", (column) => column.kind === "number")),
       element("div", { class: "fields wide-field" }, pick("x", readable)));
-    const { numbers, dates, clock } = doubts(file, state), specimens = specimenColumn(file);
+    const { numbers, dates, clock } = doubts(file, state), specimens = specimenColumn(file), blocks = about && !byLoad(about, "x") ? blocksAlike(file, state).length : 0;
     exchange(asked,
       numbers ? choice("map-sign", "How are numbers written?", SIGNS, state.decimal, (value) => { state.decimal = value; change(true); }, { help: `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`, asked: true }) : null,
       dates ? choice("map-dates", "How are dates written?", DATES, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${dates.doubt}” can be read in two ways.`, asked: true }) : null,
       clock ? choice("map-dates", "How are times written?", CLOCKS, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${clock.first.find(Boolean)}” can be a time since the start or a time of day.`, asked: true }) : null,
       specimens !== null
         ? choice("map-specimen", `Which ${file.columns[specimens].name}?`, [...Object.entries(file.columns[specimens].entries).map(([entry, rows]) => [entry, `${entry} (${count(rows)} rows)`]), ["", "all rows"]], state.specimen, (value) => { state.specimen = value; change(true); }, { asked: true })
-        : null);
+        : null,
+      blocks > 1 ? flag("map-together", `Join the ${count(blocks)} blocks with these headings, one after the other`, state.together, (on) => { state.together = on; state.staged = context.staged(); change(false); }) : null);
     exchange(more, moreFields(file, state, change, context.openParameters()));
     exchange(table, file.columns.length ? firstRows(file, { [state.x]: "x", [state.y]: "y" }) : null);
     load();

@@ -1,0 +1,82 @@
+"""The unit of x or y of an observation: the one given, or that of the column, never a guess."""
+
+from __future__ import annotations
+
+from geoswarm.solver.problem.issues import number
+from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
+from geoswarm.solver.problem.tables.picking import is_cells
+from geoswarm.solver.sentences import Sentence, setting
+from geoswarm.solver.units import UnitError, convert, same_unit
+
+__all__ = ["UNSTATED", "unit_of_data"]
+
+UNSTATED = "unstated"
+"""In place of a unit, where readings come from a file that names none: right for numbers without dimension only."""
+_USUAL = {"m": "mm, cm or m", "day": "s, min, h or day", "kPa": "kPa, MPa or kg/cm2", "degree": "degree or rad"}
+"""Units that laboratories write, as examples."""
+
+
+def unit_of_data(
+    axis: str, given: str | None, base: str, heading: Heading | None, *, unitless: bool, needed: bool = False
+) -> tuple[str | None, Sentence | None]:
+    """Unit of the data: the one given, that of the heading where it fits the series, or None; and what is wrong.
+
+    ``unitless``: a formula or a program, whose series without a unit take the numbers as they are. ``needed``: pure
+    numbers need a unit, too, as strains do.
+    """
+    pure = same_unit(base, "1") and not needed
+    key = setting(f"{axis}_unit")
+    usual = setting(f"{axis}_unit", _USUAL.get(base, base or "'%' or dimensionless"))
+    if given == UNSTATED:
+        return None, None if pure else ("the file names no known unit; give ", usual)
+    if heading is None:
+        return given, None
+    column = f"column '{heading.name}'"
+    if given is not None:
+        if heading.dates and not same_unit(given, "day"):
+            return given, (f"{column} holds dates, which are read as days: leave ", key, f" out, not {given}")
+        if heading.in_cells and heading.unit is not None and not same_unit(given, heading.unit):
+            return given, (f"the cells of {column} are in {heading.unit}: leave ", key, f" out, not {given}")
+        return given, None
+    possible = [one for one in heading.named if one.unit is None or _factor(one.unit, base) is not None]
+    unclear, best = unclear_unit(possible), best_unit(possible)
+    if best is not None:
+        return (best.unit, None) if unclear is None else (None, (f"{column} {unclear}; ", key, " says which holds"))
+    if unitless and same_unit(base, "1"):
+        return None, None
+    other = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"
+    if heading.certain and heading.unit is not None:
+        if divided := _divided(axis, heading.unit, base):
+            return None, (f"{column} is in {heading.unit}, ", *divided)
+        if same_unit(base, "1"):
+            return None, (f"{column} is in {heading.unit}, but the series has no unit; name another column",)
+        return None, (f"{column} is in {heading.unit}, {other}, or give ", key)
+    if unclear is not None:
+        return None, (f"{column} {unclear}; ", key, " says what the numbers are in")
+    if pure:
+        return None, None
+    shown = ", ".join(number(value) for value in heading.first)
+    if heading.unit is not None:
+        return None, (f"{column} ({shown}, ...) may be in {heading.unit}, {other} column, or give ", usual)
+    brackets = "" if is_cells(heading.name) else ", or write it in brackets behind the name in the file"
+    return None, (f"{column} ({shown}, ...) has no unit; give ", usual, *([brackets] if brackets else []))
+
+
+def _divided(axis: str, unit: str, base: str) -> Sentence:
+    """What to do about a force where a stress is needed, and a length where a strain may be; nothing for others."""
+    if base == "kPa" and (kilonewtons := _factor(unit, "kN")) is not None:
+        what, factor, size = "a force, but the series needs a stress; name a", f"{kilonewtons:g} / A", "area A in m2"
+    elif same_unit(base, "1") and (metres := _factor(unit, "m")) is not None:
+        what, factor, size = "a length, but the series has no unit; name another", f"{metres:g} / H", "height H in m"
+    else:
+        return ()
+    keys = setting(f"{axis}_unit", base or "dimensionless"), " and ", setting(f"{axis}_factor", factor)
+    column = "column of stresses" if base == "kPa" else "column"
+    return (f"{what} {column}, or give ", *keys, f" with the {size} of the specimen")
+
+
+def _factor(unit: str, base: str) -> float | None:
+    try:
+        return float(convert(1.0, unit, base))
+    except UnitError:
+        return None
