@@ -36,7 +36,7 @@ def line_problem(**changes: Any) -> dict[str, Any]:
         "forward_model": {"kind": "formula", "series": {"y": {"expression": "a + b * x"}}},
         "parameters": {"a": {"lower": -5, "upper": 5}, "b": {"lower": 0, "upper": 4}},
         "observations": [{"series": "y", "points": {"x": [0, 1, 2], "y": [1, 3, 5]}}],
-        "method": {"kind": "particle_swarm", "particles": 6, "acceleration": "none"},
+        "method": {"kind": "particle_swarm", "particles": 6},
         "stopping": {"max_evaluations": 60},
         "answer": {"max_evaluations": "off"},
         "seed": 7,

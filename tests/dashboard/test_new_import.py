@@ -128,8 +128,9 @@ def test_a_unit_is_found_or_asked_for(embedded: Site, visit: Visit, heading: str
 
 def test_the_unit_of_chosen_cells_is_found(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
-    rows = sheet_rows(("Zeit [min]", "Kanal [mm]", "Kanal"), (1, 0.25, 7), (2, 0.5, 8))
-    mapping = drop(page, workbook(("s", rows)), "own.xlsx")
+    mapping = drop(
+        page, workbook(("s", sheet_rows(("Zeit [min]", "Kanal [mm]", "Kanal"), (1, 0.25, 7), (2, 0.5, 8)))), "own.xlsx"
+    )
     mapping.get_by_label("Series").select_option(label="settlement: replaces 226 readings")
     mapping.get_by_label("Column of y", exact=True).select_option(label="by cells or name …")
     mapping.get_by_label("Cells of y").fill("B2:B3")
@@ -203,8 +204,9 @@ def test_formulas_without_values_are_named(embedded: Site, visit: Visit) -> None
     page, guard = visit(embedded, "/new?example=formula")
     guard.allow("422")
     mapping = drop(page, workbook(("s", UNCALCULATED)), "clay.xlsx")
-    told = "without a stored value, which cannot be read: B3 (=B2*2), B4"
-    expect(mapping.get_by_role("alert").first).to_contain_text(told)
+    expect(mapping.get_by_role("alert").first).to_contain_text(
+        "without a stored value, which cannot be read: B3 (=B2*2), B4"
+    )
     expect(page.locator("#take")).to_be_disabled()
     check_accessibility(page)
 
