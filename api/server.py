@@ -79,7 +79,6 @@ class Server(uvicorn.Server):
     ) -> None:
         super().__init__(config)
         self._pool = pool
-        self._beginning: asyncio.Future[None] | None = None
         self._assets = assets
         self._feed = feed
         self._open_work = open_work
@@ -89,21 +88,13 @@ class Server(uvicorn.Server):
         await super().startup([])
         self.config.connections.start(sockets or [], self._connection)
         threading.Thread(target=self._assets.prepare, name="prepare assets", daemon=True).start()
-        if self.started:
-            self._beginning = asyncio.ensure_future(self._begin())
-
-    async def _begin(self) -> None:
-        if self._pool is not None:
-            await self._pool.start()
-        if self._on_started is not None:
+        if self.started and self._on_started is not None:
             self._on_started()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self.config.connections.close()
         self._feed.close()
         self._open_work.close()
-        if self._beginning is not None:
-            self._beginning.cancel()
         await super().shutdown(sockets)
         if self._pool is not None:
             await self._pool.close()

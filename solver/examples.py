@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -57,6 +58,7 @@ def example_file(name: str) -> Iterator[Path]:
         yield folder / _PROBLEM
 
 
+@cache
 def describe_example(name: str) -> ExampleSummary:
     """Tell what an example shows: the heading of its explanation, and the kinds of its forward model and method.
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 import logging
 from typing import Any
 
-from geoswarm.api.compute.process import ComputeProcess, EndedError
+from geoswarm.api.compute.process import ComputeProcess
 from geoswarm.api.settings import ApiSettings
 from geoswarm.workers.hosts.embedded import PipeWaker
 from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["ComputePool"]
-
-log = logging.getLogger(__name__)
 
 
 class ComputePool:
@@ -37,20 +35,11 @@ class ComputePool:
         self.settings = settings
         self._idle: list[ComputeProcess] = []
         self._all: set[ComputeProcess] = set()
-        # The first one loads what it needs while the service does the same.
-        self._first: ComputeProcess | None = ComputeProcess(self._given, self._descriptors)
 
     @property
     def busy(self) -> int:
         """Processes that work on a request now, or are being started for one."""
         return len(self._all) - len(self._idle)
-
-    async def start(self) -> None:
-        """Wait until the first one is ready."""
-        try:
-            self.put_back(await self.take(None))
-        except EndedError as error:
-            log.warning("the first process for requests that calculate %s", error)
 
     async def take(self, job: str | None) -> ComputeProcess:
         """Return a process that is ready, if possible one that knows the job.
@@ -68,8 +57,7 @@ class ComputePool:
                 process.job = job
                 return process
             await self.discard(process)
-        process = self._first or ComputeProcess(self._given, self._descriptors)
-        self._first = None
+        process = ComputeProcess(self._given, self._descriptors)
         self._all.add(process)
         try:
             await process.ready()
@@ -91,7 +79,5 @@ class ComputePool:
     async def close(self) -> None:
         """End all of them."""
         self._idle.clear()
-        if self._first is not None:
-            self._all.add(self._first)
         for process in list(self._all):
             await self.discard(process)

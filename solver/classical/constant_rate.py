@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -10,11 +11,13 @@ import numpy.typing as npt
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.classical.errors import NoEvaluationError
 
-__all__ = ["ConstantRate", "constant_rate"]
+__all__ = ["WATER", "ConstantRate", "constant_rate"]
+
+WATER: Final = 9.81
+"""Unit weight of water, kN/m³."""
 
 _SEEN = 0.01
 """Least pore pressure over the total stress that a coefficient of consolidation is told from."""
-_WATER = 9.81
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +84,6 @@ def constant_rate(
     path = height * (1.0 - 0.5 * (eps[1:] + eps[:-1]))
     rate = np.diff(t)
     c_v = path**2 * np.diff(sigma) / rate / (2.0 * np.where(seen, middle_u, 1.0))
-    k = _WATER * path * height * np.diff(eps) / rate / (2.0 * np.where(seen, middle_u, 1.0))
+    k = WATER * path * height * np.diff(eps) / rate / (2.0 * np.where(seen, middle_u, 1.0))
     between = 0.5 * (effective[1:] + effective[:-1])
     return ConstantRate(effective, between[seen], 0.5 * (eps[1:] + eps[:-1])[seen], c_v[seen], k[seen])

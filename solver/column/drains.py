@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.consolidation import WATER
+from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.laboratory.section import Part
 

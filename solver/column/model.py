@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.column.drains import Taken
 from geoswarm.solver.column.readings import Readings
 from geoswarm.solver.column.rest import GroundAtRest
 from geoswarm.solver.element_test.cells import Cells, graded
-from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Watched, follow_loads
+from geoswarm.solver.element_test.consolidation import Column, Ground, Watched, follow_loads
 from geoswarm.solver.element_test.load_paths import PointState, point_under
 from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.errors import InfeasibleError, unknown_series

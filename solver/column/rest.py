@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.consolidation import WATER
+from geoswarm.solver.classical.constant_rate import WATER
 
 __all__ = ["GroundAtRest"]
 

@@ -29,10 +29,7 @@ from geoswarm.solver.element_test.step_control import AS_FOUND, DONE, NO_STEP, P
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.laws.base import Soil
 
-__all__ = ["WATER", "Column", "Ground", "Movement", "Watched", "follow_loads", "follow_movement"]
-
-WATER: Final = 9.81
-"""Unit weight of water, kN/m³."""
+__all__ = ["Column", "Ground", "Movement", "Watched", "follow_loads", "follow_movement"]
 
 _CHUNK: Final = 16
 _MOST_STEPS: Final = 5_000

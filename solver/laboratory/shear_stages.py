@@ -9,13 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.element_test.load_paths import LoadPath, PointState
 from geoswarm.solver.errors import InfeasibleError
+
+if TYPE_CHECKING:
+    from geoswarm.solver.element_test.load_paths import LoadPath, PointState
 
 __all__ = ["Axes", "Control", "Drainage", "ShearStage", "shear_leg", "value_led"]
 
@@ -133,6 +135,8 @@ def shear_leg(
     base
         Value from which relative targets count.
     """
+    from geoswarm.solver.element_test.load_paths import LoadPath
+
     n = axes.strain.size
     stress_rows, strain_rows, goal = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
     now = value_led(axes, stage.control, state, reference)

@@ -5,15 +5,17 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.laws.binary import StressUpdate
 from geoswarm.solver.laws.terms import Term
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
+
+if TYPE_CHECKING:
+    from geoswarm.solver.laws.binary import StressUpdate
 
 __all__ = ["Law", "Setting", "Soil", "StateTensor", "StateVariable", "StrengthPlaces"]
 

@@ -20,17 +20,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from geoswarm.solver.constitutive.soft_soil_creep.physics import SoftSoilCreep
-from geoswarm.solver.element_test.axial import equivalent_axial_pressure
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.combined import parts_of
-from geoswarm.solver.forward.staged_load import StagedLoadModel
+from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.identifiability import Linearisation
-from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw
 from geoswarm.solver.problem import Problem
+
+if TYPE_CHECKING:
+    from geoswarm.solver.forward.staged_load import StagedLoadModel
 
 __all__ = ["LaboratoryValue", "StagedTest", "interval_of", "laboratory_values", "staged_tests"]
 
@@ -85,11 +86,15 @@ class LaboratoryValue:
 
 def staged_tests(problem: Problem) -> tuple[StagedTest, ...]:
     """The laboratory tests of a problem on soft soil (with or without creep), which laboratories have terms for."""
-    return tuple(
-        StagedTest(part.name, part.model, part.values)
-        for part in parts_of(problem.forward_model, problem.model)
-        if isinstance(part.model, StagedLoadModel) and isinstance(part.model.law, SoftSoilCreepLaw)
-    )
+    found = []
+    for part in parts_of(problem.forward_model, problem.model):
+        if isinstance(part.spec, StagedLoadSpec):
+            from geoswarm.solver.forward.staged_load import StagedLoadModel
+            from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw
+
+            if isinstance(part.model, StagedLoadModel) and isinstance(part.model.law, SoftSoilCreepLaw):
+                found.append(StagedTest(part.name, part.model, part.values))
+    return tuple(found)
 
 
 def laboratory_values(
@@ -149,22 +154,25 @@ def _confined(parameters: Mapping[str, float]) -> float:
 
 def preconsolidation_stress(model: StagedLoadModel, parameters: Mapping[str, float]) -> float:
     """Stress [kPa] whose equivalent pressure, in normally consolidated compression, is the initial p_p."""
+    from geoswarm.solver.element_test.axial import equivalent_axial_pressure
+    from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw
+
     spec = model.spec
     assert isinstance(model.law, SoftSoilCreepLaw)
     soil = model.law.kernel_constants(parameters, spec.formulation, spec.tension_cutoff)
     OCR, POP = parameters.get("OCR", spec.OCR or 1.0), parameters.get("POP", spec.POP or 0.0)
     _, log_pp = model.initial_state(soil, OCR, POP)
     ratio = soil.K0nc if model.confined else model.lateral_ratio
+
+    def too_low(stress: float) -> bool:
+        return math.log(equivalent_axial_pressure(stress, ratio * stress, soil)) < log_pp
+
     low, high = 0.0, spec.initial_stress
-    while _log_equivalent(high, ratio, soil) < log_pp:
+    while too_low(high):
         low, high = high, 2.0 * high
     while low < (middle := 0.5 * (low + high)) < high:  # until no number lies between
-        low, high = (middle, high) if _log_equivalent(middle, ratio, soil) < log_pp else (low, middle)
+        low, high = (middle, high) if too_low(middle) else (low, middle)
     return high
-
-
-def _log_equivalent(stress: float, ratio: float, soil: SoftSoilCreep) -> float:
-    return math.log(equivalent_axial_pressure(stress, ratio * stress, soil))
 
 
 def interval_of(

@@ -55,6 +55,8 @@ def test_the_solver_runs_without_the_extras() -> None:
     program = (
         f"import sys; sys.modules.update(dict.fromkeys({blocked!r}))\n"
         "from geoswarm.solver.runs.local import calibrate\n"
+        "import geoswarm.solver.estimates.proposal, geoswarm.solver.report.folder.reading\n"
+        "assert 'numba' not in sys.modules, 'formulas need no kernels, neither do their estimates and reports'\n"
         "from geoswarm.solver.problem import parse_problem\n"
         "from geoswarm.solver.warm import SAMPLES\n"
         "print(calibrate(parse_problem(SAMPLES['oedometer'])).state)"

@@ -14,7 +14,9 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import evaluations, jobs, workers
 from tests.workers.problems import course, line
 
-PROBLEM = line(stopping={"max_evaluations": 60})
+LEARNING = {"kind": "particle_swarm", "particles": 6, "acceleration": "response_surface"}
+"""What is stored must come back to the last bit, else such a search goes another way."""
+PROBLEM = line(method=LEARNING, stopping={"max_evaluations": 60})
 COURSE = course(PROBLEM)
 
 

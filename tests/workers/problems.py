@@ -22,7 +22,7 @@ def line(**changes: Any) -> Problem:
         "forward_model": {"kind": "formula", "series": {"y": "a * x + b"}},
         "parameters": {"a": {"lower": 0, "upper": 5}, "b": {"lower": -5, "upper": 5}},
         "observations": [{"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1, 3, 5, 7]}}],
-        "method": {"kind": "particle_swarm", "particles": 6},
+        "method": {"kind": "particle_swarm", "particles": 6, "acceleration": "none"},
         "stopping": {"max_evaluations": 120},
         "answer": {"max_evaluations": "off"},
         "seed": 7,

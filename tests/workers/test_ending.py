@@ -45,9 +45,10 @@ def test_a_finished_job_goes_on_as_if_it_had_been_asked_for_more_at_first(
 
 @ON_SQLITE
 def test_a_job_that_ended_with_its_answer_goes_on_with_its_search(service: JobService, make_worker: MakeWorker) -> None:
-    readings = [{"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1.0, 3.1, 4.9, 7.05]}}]
+    points = {"x": [0, 1, 2, 3], "y": [1.0, 3.1, 4.9, 7.05]}
+    given: dict[str, Any] = {"observations": [{"series": "y", "points": points}], "method": METHODS[1]}
     first, more = {"max_evaluations": 48}, {"max_evaluations": 96}
-    job_id = service.submit(line(observations=readings, stopping=first, answer={"max_evaluations": 12}))[0].id
+    job_id = service.submit(line(**given, stopping=first, answer={"max_evaluations": 12}))[0].id
     worker = make_worker()
     worker.serve(job_id)
     ended = service.get(job_id)
@@ -64,7 +65,7 @@ def test_a_job_that_ended_with_its_answer_goes_on_with_its_search(service: JobSe
     assert set(view.verdicts or {}) == {"a", "b"}
     assert ended.evaluations < view.evaluations <= 96
     history = recorded_history(service, job_id)
-    alone = expected_history(line(observations=readings, stopping=more))
+    alone = expected_history(line(**given, stopping=more))
     searched = 36  # what the answer left of the first evaluations
     assert history[:searched] == alone[:searched]
     # asked for before the answer began; later ones have learnt from its runs, too

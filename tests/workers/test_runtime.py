@@ -17,10 +17,10 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import attempts, evaluations, jobs
 from tests.workers.conftest import MakeWorker
-from tests.workers.hand import PROBLEM, Hand, finish, pass_time, runtime_for
+from tests.workers.hand import LEARNING, PROBLEM, Hand, finish, pass_time, runtime_for
 from tests.workers.problems import course, expected_history, line, recorded_history
 
-PATIENT = line(stopping={"max_evaluations": 60}, failures={"retry": {"worker_lost": 1000}})
+PATIENT = line(method=LEARNING, stopping={"max_evaluations": 60}, failures={"retry": {"worker_lost": 1000}})
 EXPECTED = expected_history(PROBLEM)
 
 

@@ -22,7 +22,7 @@ from geoswarm.workers.coordinator.tries import give_back, record_result
 from geoswarm.workers.coordinator.width import free_slots
 from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, Result, Sizing, Submission
 from geoswarm.workers.queries.evaluations import list_results
-from geoswarm.workers.queries.jobs import LockedJob, save_job
+from geoswarm.workers.queries.jobs import LockedJob, lock_job, save_job
 from geoswarm.workers.queries.queue import note_served, note_typical
 from geoswarm.workers.queries.versions import note_versions
 from geoswarm.workers.settings import Settings
@@ -91,6 +91,7 @@ class JobExchange:
         self._job: JobStatus | None = None
         self.fatal: str | None = None
         self.due: Due | None = None
+        self._saved = False
 
     @property
     def job(self) -> JobStatus | None:
@@ -100,8 +101,7 @@ class JobExchange:
         return self._job
 
     def alone(self, asked: Sequence[Asked]) -> bool:
-        """Whether exchanges must come one by one: the job's failures are being rerun, or whole generations are handed
-        in."""
+        """Whether exchanges must come one by one: failures are being rerun, or whole generations are handed in."""
         again = self.locked.row.retry_to is not None
         return len(asked) > 1 and (again or any(one.submission.local_batches for one in asked))
 
@@ -298,6 +298,9 @@ class JobExchange:
         finished_at: Sequence[float],
         conclusion: Mapping[str, Any] | None = None,
     ) -> None:
+        if self._saved and (again := lock_job(self.connection, self.locked.id, briefly=True)) is not None:
+            self.locked = again  # a generation of known runs only is closed at once: what was locked is the row before
+        self._saved = True
         save_job(
             self.connection,
             self.locked,

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.element_test.cells import Cells, graded
 from geoswarm.solver.element_test.column import PROFILE
-from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Watched, follow_loads
+from geoswarm.solver.element_test.consolidation import Column, Ground, Watched, follow_loads
 from geoswarm.solver.laboratory.flow.load_stages import LATE, LoadStages, within
 from geoswarm.solver.laboratory.model import FlowModel
 from geoswarm.solver.laboratory.quantities import Quantity

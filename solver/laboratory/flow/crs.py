@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -11,13 +11,15 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_DURATION
-from geoswarm.solver.laboratory.flow.crs_model import CrsModel
 from geoswarm.solver.laboratory.pace import Hold
 from geoswarm.solver.laboratory.section import FlowSpec, Part, exactly_one
 from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.laboratory.shear_stages import ShearStage
 from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import movement_panels
+
+if TYPE_CHECKING:
+    from geoswarm.solver.laboratory.flow.crs_model import CrsModel
 
 __all__ = ["CrsMovement", "CrsOedometerSpec"]
 
@@ -165,4 +167,6 @@ class CrsOedometerSpec(FlowSpec):
 
     def build(self) -> CrsModel:
         """Build the forward model."""
+        from geoswarm.solver.laboratory.flow.crs_model import CrsModel
+
         return CrsModel(self)

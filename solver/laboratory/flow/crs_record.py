@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.element_test.column import BY_SETTLEMENT, BY_STRESS, PROFILE
-from geoswarm.solver.element_test.consolidation import WATER, Column, Ground, Movement, Watched, follow_movement
+from geoswarm.solver.element_test.consolidation import Column, Ground, Movement, Watched, follow_movement
 from geoswarm.solver.element_test.load_paths import Path
 from geoswarm.solver.laboratory.record import Voids
 from geoswarm.solver.laboratory.shear_stages import ShearStage

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -13,11 +13,13 @@ from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
-from geoswarm.solver.laboratory.shear.simple_shear_model import SimpleShearModel
 from geoswarm.solver.laboratory.shear_modulus import over_strain, shear_modulus_diagram
 from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
+
+if TYPE_CHECKING:
+    from geoswarm.solver.laboratory.shear.simple_shear_model import SimpleShearModel
 
 __all__ = ["DirectSimpleShearSpec", "SimpleShearConsolidation"]
 
@@ -200,4 +202,6 @@ class DirectSimpleShearSpec(LaboratorySpec):
 
     def build(self) -> SimpleShearModel:
         """Build the forward model."""
+        from geoswarm.solver.laboratory.shear.simple_shear_model import SimpleShearModel
+
         return SimpleShearModel(self)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -13,12 +13,14 @@ from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
-from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
 from geoswarm.solver.laboratory.shear_modulus import over_strain, shear_modulus_diagram
 from geoswarm.solver.laboratory.shear_sketch import is_timed
 from geoswarm.solver.laws.initial_voids import knows_voids
 from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
+
+if TYPE_CHECKING:
+    from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
 
 __all__ = ["TriaxialConsolidation", "TriaxialSpec"]
 
@@ -286,4 +288,6 @@ class TriaxialSpec(LaboratorySpec):
 
     def build(self) -> TriaxialModel:
         """Build the forward model."""
+        from geoswarm.solver.laboratory.shear.triaxial_model import TriaxialModel
+
         return TriaxialModel(self)

@@ -102,7 +102,7 @@ def test_failures_run_again_are_told_when_they_have_been(
     settings: Settings,
     notices: NoticeSettings,
 ) -> None:
-    failing = {"kind": "formula", "series": {"y": "a * x + b + 0 * sqrt(a - 1)"}}
+    failing = {"kind": "formula", "series": {"y": "a * x + b + 0 * sqrt(a - 2)"}}
     job = run(make_worker(), service, forward_model=failing)
     assert job.failed_evaluations
     hooks.create(receiver.url)
