@@ -97,7 +97,7 @@ def test_a_load_above_the_strength_names_stage_and_fraction() -> None:
     shear = (strain_change(0.0, xy=1), strain_change(0.0, yz=1), strain_change(0.0, zx=1))
     controls = (stress_value(60.0, xx=1), stress_value(60.0, yy=1), stress_value(500.0, zz=1))
     stage = Stage("too much", 0.0, (*controls, *shear), instant=True)
-    with pytest.raises(DivergedError, match=r"stage too much: no solution at \d+\.\d+% of its load"):
+    with pytest.raises(DivergedError, match=r"stage too much: no solution at \d+ % of its load"):
         follow(creep_law(SOIL), START, [stage], [[0.0]])
 
 
