@@ -330,8 +330,15 @@ def _prepared(
         found, done = prepared(given, wanted)
     except PreparationError as error:
         return points, [Issue.about(f"{path}.{error.key}", error.sentence, f"{path}.")]
+    # A factor makes another quantity of what the heading names, such as a stress of a force.
+    other_x, other_y = (
+        unit is not None and abs(factor) != 1.0
+        for unit, factor in ((section.x_unit, section.x_factor), (section.y_unit, section.y_factor))
+    )
     return replace(
         points,
+        x_heading=None if other_x else points.x_heading,
+        y_heading=None if other_y else points.y_heading,
         x=found.x,
         y=found.y,
         weight=found.weight,

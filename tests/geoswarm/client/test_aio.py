@@ -121,7 +121,8 @@ def test_steering_and_the_catalogue(server: LiveServer) -> None:
             assert going.state in ("queued", "running")
             assert (await client.cancel(job.id)).state == "cancelled"
             assert (await client.health()).ok
-            assert len(await client.workers()) == 1
+            while len(await client.workers()) != 1:  # it may not have begun when this test is the first one
+                await asyncio.sleep(0.05)
             assert (await client.forward_model("formula")).depends_on_section
             assert "formula" in [info.kind for info in await client.forward_models()]
 

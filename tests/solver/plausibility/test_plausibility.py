@@ -190,7 +190,8 @@ def test_a_void_ratio_in_percent() -> None:
 @pytest.mark.parametrize(
     ("heading", "unit", "warned"),
     [("settlement [mm]", "cm", True), ("settlement [mm]", "mm", False), ("settlement", "cm", False),
-     ("force [kN]", "mm", True), ("load [kPa]", "mm", True), ("settlement in mm", "um", True)],
+     ("force [kN]", "mm", True), ("load [kPa]", "mm", True), ("settlement in mm", "um", True),
+     ("force [kN]", "mm, y_factor: 2", False)],
 )  # fmt: skip
 def test_the_unit_in_the_heading(heading: str, unit: str, warned: bool, tmp_path: Path) -> None:
     rows = "\n".join(f"{x},{y}" for x, y in zip(TIMES, settlement(), strict=True))
