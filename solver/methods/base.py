@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, TypeAlias
 
@@ -24,6 +24,7 @@ __all__ = [
     "FollowUpMethod",
     "Maker",
     "Method",
+    "PlainMaker",
     "Role",
     "SearchMethod",
     "Task",
@@ -74,6 +75,21 @@ class Maker(Protocol):
 
     def restore(self, snapshot: Snapshot) -> Search:
         """Go on with the search that gave a snapshot, bit for bit alike."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlainMaker:
+    """Makes a search that is the same whatever can run at once; ``search`` begins it, or goes on after a snapshot."""
+
+    search: Callable[[Snapshot | None], Search]
+
+    def start(self, slots: int) -> Search:  # noqa: ARG002  (the form of all makers)
+        """Begin the search."""
+        return self.search(None)
+
+    def restore(self, snapshot: Snapshot) -> Search:
+        """Go on with it."""
+        return self.search(snapshot)
 
 
 class Method(Section, ABC):

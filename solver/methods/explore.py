@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task, in_order
+from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, PlainMaker, Task, in_order
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
@@ -75,16 +75,4 @@ class ExploreMethod(FollowUpMethod):
 
     def maker(self, task: Task) -> Maker:
         """Prepare to make it for a job."""
-        return _ExploreMaker(self, task)
-
-
-@dataclass(frozen=True, slots=True)
-class _ExploreMaker:
-    method: ExploreMethod
-    task: Task
-
-    def start(self, slots: int) -> ExploreSearch:  # noqa: ARG002  (the form of all makers)
-        return self.method.search(self.task.space)
-
-    def restore(self, snapshot: Snapshot) -> ExploreSearch:
-        return self.method.search(self.task.space, snapshot)
+        return PlainMaker(partial(self.search, task.space))

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.methods.base import FollowUpMethod, Maker, Task
+from geoswarm.solver.methods.base import FollowUpMethod, Maker, PlainMaker, Task
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.search import SearchSpace, Snapshot
-    from geoswarm.solver.search.descent.given import GivenSearch
+    from geoswarm.solver.search import Search, Snapshot
 
 __all__ = ["BATCH", "GivenPointsMethod"]
 
@@ -74,21 +72,10 @@ class GivenPointsMethod(FollowUpMethod):
 
     def maker(self, task: Task) -> Maker:
         """Prepare to make it for a job."""
-        return _GivenMaker(self, task.space)
 
+        def search(snapshot: Snapshot | None) -> Search:
+            from geoswarm.solver.search.descent.given import GivenSearch
 
-@dataclass(frozen=True, slots=True)
-class _GivenMaker:
-    method: GivenPointsMethod
-    space: SearchSpace
+            return GivenSearch(self.positions(task.space.names), BATCH, snapshot)
 
-    def start(self, slots: int) -> GivenSearch:  # noqa: ARG002  (the form of all makers)
-        return self._search(None)
-
-    def restore(self, snapshot: Snapshot) -> GivenSearch:
-        return self._search(snapshot)
-
-    def _search(self, snapshot: Snapshot | None) -> GivenSearch:
-        from geoswarm.solver.search.descent.given import GivenSearch
-
-        return GivenSearch(self.method.positions(self.space.names), BATCH, snapshot)
+        return PlainMaker(search)

@@ -8,13 +8,13 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task
+from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, PlainMaker, Task
 from geoswarm.solver.system.extras import has, needs_extra
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.search import SearchSpace, Snapshot
-    from geoswarm.solver.search.descent.planned import DesignSearch, GlobalPoints
+    from geoswarm.solver.search import Search, SearchSpace, Snapshot
+    from geoswarm.solver.search.descent.planned import GlobalPoints
 
 __all__ = ["GlobalMethod", "MorrisMethod", "SobolMethod"]
 
@@ -50,7 +50,14 @@ class GlobalMethod(FollowUpMethod):
 
     def maker(self, task: Task) -> Maker:
         """Prepare to make it for a job."""
-        return _DesignMaker(self, task)
+        points = self.points(task.space, task.seed)
+
+        def search(snapshot: Snapshot | None) -> Search:
+            from geoswarm.solver.search.descent.planned import DesignSearch
+
+            return DesignSearch(points, self.batch, snapshot)
+
+        return PlainMaker(search)
 
 
 class SobolMethod(GlobalMethod):
@@ -84,20 +91,3 @@ class MorrisMethod(GlobalMethod):
     of: str | None = Field(None, min_length=1, max_length=64, description=OF_JOB)
     further: ClassVar[int] = 1
     """Evaluations of a trajectory beside one a parameter."""
-
-
-class _DesignMaker:
-    def __init__(self, method: GlobalMethod, task: Task) -> None:
-        self._points = method.points(task.space, task.seed)
-        self._batch = method.batch
-
-    def start(self, slots: int) -> DesignSearch:  # noqa: ARG002  (the form of all makers)
-        return self._search(None)
-
-    def restore(self, snapshot: Snapshot) -> DesignSearch:
-        return self._search(snapshot)
-
-    def _search(self, snapshot: Snapshot | None) -> DesignSearch:
-        from geoswarm.solver.search.descent.planned import DesignSearch
-
-        return DesignSearch(self._points, self._batch, snapshot)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field
 
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task, in_order
+from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, PlainMaker, Task, in_order
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
@@ -91,16 +91,4 @@ class JackknifeMethod(FollowUpMethod):
 
     def maker(self, task: Task) -> Maker:
         """Prepare to make it for a job."""
-        return _JackknifeMaker(self, task)
-
-
-@dataclass(frozen=True, slots=True)
-class _JackknifeMaker:
-    method: JackknifeMethod
-    task: Task
-
-    def start(self, slots: int) -> LeavingOutSearch:  # noqa: ARG002  (the form of all makers)
-        return self.method.search(self.task.space, self.task.tests)
-
-    def restore(self, snapshot: Snapshot) -> LeavingOutSearch:
-        return self.method.search(self.task.space, self.task.tests, snapshot)
+        return PlainMaker(partial(self.search, task.space, task.tests))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
 from geoswarm.solver.errors import Issue
-from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, Task, in_order
+from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, PlainMaker, Task, in_order
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
@@ -68,16 +68,4 @@ class ProfileMethod(FollowUpMethod):
 
     def maker(self, task: Task) -> Maker:
         """Prepare to make it for a job."""
-        return _ProfileMaker(self, task)
-
-
-@dataclass(frozen=True, slots=True)
-class _ProfileMaker:
-    method: ProfileMethod
-    task: Task
-
-    def start(self, slots: int) -> ProfileSearch:  # noqa: ARG002  (the form of all makers)
-        return self.method.search(self.task.space)
-
-    def restore(self, snapshot: Snapshot) -> ProfileSearch:
-        return self.method.search(self.task.space, snapshot)
+        return PlainMaker(partial(self.search, task.space))

@@ -129,12 +129,7 @@ def submit_profile(
 def submit_jackknife(
     service: JobService, job_id: str, *, runs: int | None = None, idempotency_key: str | None = None
 ) -> Submitted:
-    """Submit the fits without each test, from the optimum that the sensitivities belong to, and return the new job.
-
-    Parameters
-    ----------
-    runs
-        Evaluations at most; as many as suffice by experience when None.
+    """Submit what :func:`.jackknife_problem` makes of the optimum that the sensitivities belong to; return the new job.
 
     Raises
     ------
@@ -142,7 +137,7 @@ def submit_jackknife(
     NoOptimumError
         When there are no sensitivities at a minimum.
     ProblemError, StatisticsError
-        When the problem has fewer than three tests, or ``runs`` are wrong.
+        As there.
     """
     parent, job = parent_of(service, job_id)
     linearisation = service.statistics.linearisation(parent)

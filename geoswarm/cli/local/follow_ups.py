@@ -161,11 +161,11 @@ def jackknife_command(
             note("The sensitivities at the optimum come first.")
             wait_for(client, client.sensitivity(job.id))
             submitted = client.jackknife(job.id, runs=runs)
-        _say_runs(client.problem(submitted.id)["method"]["runs"])
+        _say_runs(submitted.max_evaluations)
         _follow(client, submitted, as_json, None)
 
 
-def _say_runs(runs: int) -> None:
+def _say_runs(runs: int | None) -> None:
     note(f"At most {runs} runs, which the fits without each test share.")
 
 
@@ -344,7 +344,7 @@ class _LocalRun:
             note("The sensitivities at the optimum come first.")
             found = self._sensitivities(None, None, True, None).linearisation
             problem = jackknife_problem(self.problem, found, seed=self.seed, runs=runs)
-        _say_runs(problem.method.model_dump()["runs"])
+        _say_runs(problem.planned_evaluations)
         return self._run(problem, None)
 
     def _known(self, noise: Noise) -> Linearisation | None:

@@ -44,8 +44,6 @@ def refitted(search: LeavingOutSearch, space: SearchSpace, level: float) -> With
 def notes_on(search: LeavingOutSearch, space: SearchSpace) -> tuple[str, ...]:
     """What to know of these minima, in sentences."""
     notes = []
-    if search.ask() is not None:
-        return ("the fits without each test are not complete yet",)
     if search.unsettled:
         why = (
             f"within {search.told} runs; give more than {search.settings.runs}"

@@ -23,7 +23,7 @@ from geoswarm.solver.identifiability.optimum.differences import differentiate, r
 from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import Profile, profiles_of
-from geoswarm.solver.identifiability.optimum.refitted import notes_on, refitted, with_refits
+from geoswarm.solver.identifiability.optimum.refitted import refitted, with_refits
 from geoswarm.solver.identifiability.optimum.sensitivity import from_evaluations, linearise
 from geoswarm.solver.identifiability.prediction.bands import Prediction, prediction_of
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
@@ -54,6 +54,7 @@ __all__ = [
 ]
 
 _INCOMPLETE = "the sensitivities are not complete yet"
+_NOT_FITTED = ("the fits without each test are not complete yet",)
 _TOO_FAR = (
     "{} runs after the search did not reach the minimum, so there are no intervals; give more (answer.max_evaluations)"
 )
@@ -302,7 +303,8 @@ def _jackknife(
     _replay(search, calibration, evaluations)
     if search.failed:
         return Findings(notes=(_optimum_failed(evaluations[0]),))
-    return Findings(jackknife=refitted(search, calibration.space, level), notes=notes_on(search, calibration.space))
+    found = refitted(search, calibration.space, level)
+    return Findings(jackknife=found, notes=_NOT_FITTED if found is None else found.notes)
 
 
 @examine.register
