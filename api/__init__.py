@@ -20,7 +20,6 @@
 ``observe``          counts, times, logs and traces every request; by the route's template, never by what a client wrote
 ``parquet``          evaluations as Parquet: typed columns, written row group by row group into a temporary file (extra
                      ``parquet``)
-``paths``            prefix of the routes of the API
 ``points``           the successful evaluations of a job as one block of float32, for plots of many thousand points
 ``views``            the view of a job's statistics: threshold, known noise, posterior sample; the same for all their
                      routes

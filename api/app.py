@@ -21,10 +21,9 @@ from geoswarm.api.events.open_work import OpenWorkWatch
 from geoswarm.api.observe import Observer, RequestMetrics
 from geoswarm.api.pages import error_page
 from geoswarm.api.pages import router as pages_router
-from geoswarm.api.paths import API_PREFIX
 from geoswarm.api.routes import api_router, health_router, metrics_router
 from geoswarm.api.schemas.agents import Brought
-from geoswarm.api.settings import ApiSettings
+from geoswarm.api.settings import API_PREFIX, ApiSettings
 from geoswarm.solver.problem import problem_schema
 from geoswarm.workers.agents.handed_out import HandedOut
 from geoswarm.workers.service.job_service import JobService

@@ -8,7 +8,7 @@ import time
 from prometheus_client import CollectorRegistry, Counter, Histogram, disable_created_metrics
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from geoswarm.api.paths import API_PREFIX
+from geoswarm.api.settings import API_PREFIX
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.tracing import span
 

@@ -14,7 +14,7 @@ from geoswarm.environment import SecretFileError, given_settings, listed, settin
 from geoswarm.workers.agents.handed_out import read_list
 from geoswarm.workers.errors import ModelsUnavailableError
 
-__all__ = ["LOOPBACK_HOSTS", "ApiSettings"]
+__all__ = ["API_PREFIX", "ApiSettings", "LOOPBACK_HOSTS"]
 
 LOOPBACK_HOSTS: frozenset[str] = frozenset({"localhost", "127.0.0.1", "[::1]"})
 """Host names under which the service answers when no API key protects it."""
@@ -179,3 +179,6 @@ class ApiSettings(BaseModel):
             raise ApiSettingsError(str(error)) from None
         except ValidationError as error:
             raise ApiSettingsError(settings_mistakes(error, VARIABLES, overrides)) from None
+
+
+API_PREFIX = "/api/v1"

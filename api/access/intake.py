@@ -16,8 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.access.limits import Shares
 from geoswarm.api.errors import DetailError, detail_response
-from geoswarm.api.paths import API_PREFIX
-from geoswarm.api.settings import ApiSettings
+from geoswarm.api.settings import API_PREFIX, ApiSettings
 from geoswarm.workers.access.principal import Principal
 
 __all__ = ["LARGE_BODIES", "SMALL_BODY_BYTES", "Intake"]

@@ -1,7 +1,6 @@
 """Requests that calculate, in processes of their own: what one of them does can neither stop nor slow the others.
 
 ==============  ===============================================================================
-``requests``    which requests these are
 ``middleware``  sends them there, each in its owner's turn, and answers when nothing came of it
 ``fair_queue``  whose turn it is
 ``pool``        the processes: made when needed, the one that knows the job first

@@ -6,9 +6,11 @@ import asyncio
 import contextlib
 import json
 import logging
+import re
+from collections.abc import Mapping
 from dataclasses import asdict
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import httpx
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -16,14 +18,13 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from geoswarm.api.compute.fair_queue import BusyError, FairQueue
 from geoswarm.api.compute.pool import ComputePool
 from geoswarm.api.compute.process import ROUTE_HEADER, ComputeProcess, EndedError
-from geoswarm.api.compute.requests import is_compute, job_of
 from geoswarm.api.errors import DetailError, detail_response
 from geoswarm.workers.access.principal import LOCAL, Principal
 
 if TYPE_CHECKING:
     from geoswarm.api.settings import ApiSettings
 
-__all__ = ["ComputeMiddleware"]
+__all__ = ["ComputeMiddleware", "is_compute", "job_of"]
 
 log = logging.getLogger(__name__)
 
@@ -183,3 +184,36 @@ def _too_heavy(why: str) -> DetailError:
         kind="too-heavy",
         title="Too heavy",
     )
+
+
+_ALWAYS = re.compile(
+    r"/api/v1/(?:"
+    r"problems/(?:check|warm-starts|read|tests)|measurements(?:/(?:points|ags(?:/problem)?))?|forward-models(?:/[^/]+)?"
+    r"|jobs/[^/]+/(?:fit|diagrams|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
+    r"|jackknife|explore|predict|design|follow-ups|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
+    r")"
+)
+_CHANGES = {"POST": re.compile(r"/api/v1/jobs"), "PATCH": re.compile(r"/api/v1/jobs/[^/]+")}
+_JOB = re.compile(r"/api/v1/jobs/([^/]+)")
+
+
+def is_compute(scope: Mapping[str, Any]) -> bool:
+    """Whether a request of an ASGI scope calculates.
+
+    >>> is_compute({"type": "http", "method": "GET", "path": "/api/v1/jobs/1f/statistics"})
+    True
+    >>> is_compute({"type": "http", "method": "GET", "path": "/api/v1/jobs"})
+    False
+    """
+    if scope["type"] != "http":
+        return False
+    changing = _CHANGES.get(scope["method"])
+    return _ALWAYS.fullmatch(scope["path"]) is not None or (
+        changing is not None and changing.fullmatch(scope["path"]) is not None
+    )
+
+
+def job_of(path: str) -> str | None:
+    """The job that a request is about."""
+    found = _JOB.match(path)
+    return None if found is None else found[1]

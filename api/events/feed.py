@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import logging
 import time
 from collections import deque
-from collections.abc import AsyncGenerator, Callable, Mapping
+from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import takewhile
@@ -20,15 +21,15 @@ from typing import TypeVar
 
 import anyio
 import anyio.to_thread
+from cachetools import FIFOCache
 
-from geoswarm.api.events.event_text import BatchTexts, thinned
-from geoswarm.records.event import Event
+from geoswarm.records.history import Event
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.store.event_listener import EventListener
 
-__all__ = ["EventFeed"]
+__all__ = ["BatchTexts", "EventFeed", "MOST_GENERATIONS", "encode_event", "thinned"]
 
 logger = logging.getLogger("geoswarm.api")
 
@@ -42,6 +43,20 @@ PACE_SECONDS = 0.1  # between two looks that find news: of a busy job one batch 
 QUIET_SECONDS = 1.0  # between two looks while the database tells of events by itself
 
 T = TypeVar("T")
+
+
+class BatchTexts:
+    """Texts of the latest batches of one job."""
+
+    def __init__(self) -> None:
+        self._texts: FIFOCache[tuple[int, int, int], str] = FIFOCache(_KEPT)
+
+    def of(self, batch: Sequence[Event]) -> str:
+        """Return the text of a batch, written by the first who wants it."""
+        key = (batch[0].id, batch[-1].id, len(batch))
+        if key not in self._texts:
+            self._texts[key] = "".join(map(encode_event, batch))
+        return self._texts[key]
 
 
 @dataclass(eq=False, slots=True)
@@ -250,3 +265,25 @@ class EventFeed:
 def _set_from_thread(loop: asyncio.AbstractEventLoop, event: asyncio.Event) -> None:
     with contextlib.suppress(RuntimeError):  # the loop has ended before the thread
         loop.call_soon_threadsafe(event.set)
+
+
+MOST_GENERATIONS = 25
+"""Generations of one batch that are told to those who follow a job as it goes on."""
+
+_KEPT = 8
+
+
+def encode_event(event: Event) -> str:
+    """Write an event as the lines of an event stream; ``data`` is one line of JSON."""
+    data = json.dumps(event.data, allow_nan=False, separators=(",", ":"))
+    return f"id: {event.id}\nevent: {event.kind}\ndata: {data}\n\n"
+
+
+def thinned(batch: Sequence[Event]) -> list[Event]:
+    """Leave out generations where there are many, evenly; the last one and every other kind of event stay."""
+    places = [place for place, event in enumerate(batch) if event.kind == "generation"]
+    if len(places) <= MOST_GENERATIONS:
+        return list(batch)
+    step = len(places) / MOST_GENERATIONS
+    told = {places[int((number + 1) * step) - 1] for number in range(MOST_GENERATIONS)} | {places[-1]}
+    return [event for place, event in enumerate(batch) if event.kind != "generation" or place in told]

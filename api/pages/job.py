@@ -1,15 +1,20 @@
-"""What a job has found, live; its fit; its data."""
+"""The pages of one job: result, fit, trust, search, data, mesh."""
 
 from __future__ import annotations
+
+from typing import Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
 from geoswarm.api.dependencies import JobId, Service
-from geoswarm.api.pages.frame import job_frame
+from geoswarm.api.pages.convergence import convergence
 from geoswarm.api.pages.shell import render
+from geoswarm.solver.methods.registry import find_method
+from geoswarm.workers.errors import JobNotFoundError
+from geoswarm.workers.service.job_service import JobService
 
-__all__ = ["router"]
+__all__ = ["job_frame", "router"]
 
 router = APIRouter()
 
@@ -30,3 +35,60 @@ def fit_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
 def data_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
     """Show the problem and the readings of a job, and everything as files."""
     return render(request, "data", **job_frame(service, job_id))
+
+
+WITH_BODY = frozenset({"section", "finite_element"})
+
+
+def job_frame(service: JobService, job_id: str) -> dict[str, Any]:
+    """Return ``job``, ``role`` (search, sampling or follow_up), ``parent`` (a job or None) and ``has_mesh``.
+
+    Raises
+    ------
+    JobNotFoundError
+        When there is no such job; a parent that has been deleted is None.
+    """
+    job = service.get(job_id)
+    document = service.problem(job_id)
+    parent = None
+    if (followed := document["method"].get("of")) is not None:
+        try:
+            parent = service.get(followed)
+        except JobNotFoundError:
+            parent = None
+    return {
+        "job": job,
+        "role": find_method(job.method).role,
+        "parent": parent,
+        "has_mesh": _has_body(document["forward_model"]),
+    }
+
+
+def _has_body(section: dict[str, Any]) -> bool:
+    """Whether a forward model, or a part of it, has a body; without building it."""
+    sections = [section, *section["parts"].values()] if section["kind"] == "combined" else [section]
+    return any(one["kind"] in WITH_BODY for one in sections)
+
+
+@router.get("/jobs/{job_id}/mesh", name="mesh_page")
+def mesh_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
+    """Show mesh and displacements of a job."""
+    return render(request, "mesh", **job_frame(service, job_id))
+
+
+MOST_POINTS = 1000
+
+
+@router.get("/jobs/{job_id}/search", name="search_page")
+def search_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
+    """Show how the search of a job went."""
+    frame = job_frame(service, job_id)
+    first = max(-1, frame["job"].generations - MOST_POINTS - 1)
+    generations = service.generations(job_id, after=first, limit=MOST_POINTS) if frame["role"] == "search" else []
+    return render(request, "search", plots=True, plot=convergence(generations), **frame)
+
+
+@router.get("/jobs/{job_id}/statistics", name="statistics_page")
+def statistics_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
+    """Show the statistics of a job."""
+    return render(request, "statistics", plots=True, **job_frame(service, job_id))

@@ -1,7 +1,9 @@
-"""The list of jobs."""
+"""The list of jobs, several of them side by side, and the form of a new one."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -10,13 +12,12 @@ from fastapi.responses import HTMLResponse
 
 from geoswarm.api.dependencies import Service
 from geoswarm.api.pages.shell import number, render
-from geoswarm.api.pages.sparkline import sparkline
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, JOB_STATES, OPEN_STATES
 from geoswarm.solver.words import FITS, ends, interval_digits, verdict_in_words
 from geoswarm.workers.queries.job_list import JobFilters, SortKey
 
-__all__ = ["BADGES", "router"]
+__all__ = ["BADGES", "SPARK_HEIGHT", "SPARK_WIDTH", "router", "sparkline"]
 
 router = APIRouter()
 
@@ -118,3 +119,49 @@ def jobs_page(
         badges=BADGES,
         owners=request.app.state.authenticator.needed,
     )
+
+
+MOST_JOBS = 6
+
+
+@router.get("/compare")
+def compare_page(
+    request: Request,
+    service: Service,
+    job: Annotated[list[str] | None, Query(max_length=MOST_JOBS, description="ids of two to six jobs")] = None,
+) -> HTMLResponse:
+    """Show jobs side by side; jobs that are not there answer as on their own page."""
+    jobs = [service.get(job_id) for job_id in dict.fromkeys(job or [])]
+    return render(request, "compare", plots=True, jobs=jobs, fits=FITS, badges=BADGES)
+
+
+SPARK_WIDTH, SPARK_HEIGHT = 96, 24
+MARGIN = 2.0
+
+
+def sparkline(trend: Sequence[float | None] | None) -> str | None:
+    """Corners of a step line of the lowest objective, logarithmic; None when there is nothing to draw."""
+    levels = [math.log10(f) for f in trend or () if f is not None and f > 0 and math.isfinite(f)]
+    if len(levels) < 2:
+        return None
+    low, high = min(levels), max(levels)
+    span = high - low or 1.0
+    step = (SPARK_WIDTH - 2 * MARGIN) / (len(levels) - 1)
+    corners: list[str] = []
+    for index, level in enumerate(levels):
+        x = MARGIN + index * step
+        y = MARGIN + (SPARK_HEIGHT - 2 * MARGIN) * (high - level) / span
+        corners.append(f"H{x:.1f} V{y:.1f}" if corners else f"M{x:.1f} {y:.1f}")
+    return " ".join(corners)
+
+
+@router.get("/new")
+def new_page(
+    request: Request,
+    service: Service,
+    from_job: Annotated[str | None, Query(alias="from", max_length=64, description="job to start from")] = None,
+    example: Annotated[str | None, Query(max_length=64, description="example to start from")] = None,
+) -> HTMLResponse:
+    """Show the form, empty or filled from an earlier job or an example."""
+    source = None if from_job is None else service.get(from_job)
+    return render(request, "new", plots=True, source=source, example=example)

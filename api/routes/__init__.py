@@ -41,7 +41,7 @@ from geoswarm.api.routes import (
     session,
     workers,
 )
-from geoswarm.api.routes.findings import fit, mesh, points, statistics, uncertainty
+from geoswarm.api.routes.findings import fit, mesh, statistics, uncertainty
 
 __all__ = ["api_router", "health_router", "metrics_router"]
 
@@ -51,7 +51,6 @@ for module in (
     jobs,
     results,
     fit,
-    points,
     statistics,
     uncertainty,
     events,

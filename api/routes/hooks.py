@@ -8,8 +8,8 @@ from fastapi import APIRouter, Depends, Path
 from fastapi.responses import Response
 
 from geoswarm.api.dependencies import Service, problems_of
-from geoswarm.api.schemas.hooks import HookList, NewHookRequest
-from geoswarm.records.hook import Hook, NewHook
+from geoswarm.api.schemas.administration import HookList, NewHookRequest
+from geoswarm.records.account import Hook, NewHook
 from geoswarm.workers.notices.hooks import Hooks
 
 __all__ = ["router"]

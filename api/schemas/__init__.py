@@ -1,11 +1,10 @@
 """What goes over HTTP, as OpenAPI tells it.
 
 ==================  ================================================================================================
-``administration``  models for administrators: API keys, and the state of the installation
+``administration``  models for administrators: API keys, the state of the installation; hooks
 ``agents``          models of what agents send and are sent
 ``ags``             models of what is answered about files in the AGS 4 format
 ``drafts``          models of what is answered about problems in the making: drafts, files of measurements, examples
-``hooks``           models of hooks
 ``jobs``            models of every response, in the words of the project; units: day, m, kPa, degree, seconds where
                     named so
 ``mesh``            models of a body: its mesh, what was measured on it, and how it moves

@@ -1,12 +1,13 @@
-"""Models for administrators: API keys, and the state of the installation."""
+"""Models for administrators: API keys, and the state of the installation; and hooks."""
 
 from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from geoswarm.records.key import Key, Role
+from geoswarm.records.account import Hook, Key, Role
+from geoswarm.records.states import ENDED_STATES, EndedState
 
-__all__ = ["KeyList", "NewKeyRequest", "Operations"]
+__all__ = ["HookList", "KeyList", "NewHookRequest", "NewKeyRequest", "Operations"]
 
 
 class KeyList(BaseModel):
@@ -44,3 +45,27 @@ class Operations(BaseModel):
     )
     lost_evaluations: int = Field(description="evaluations that were taken from a lost worker")
     event_streams: int = Field(description="open event streams of this process")
+
+
+class HookList(BaseModel):
+    """Hooks, oldest first."""
+
+    items: list[Hook]
+
+
+class NewHookRequest(BaseModel):
+    """A hook to create."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    target: str = Field(
+        min_length=3, max_length=500, description="https://..., or an e-mail address if the service sends e-mail"
+    )
+    job: str | None = Field(
+        None,
+        pattern=r"^[A-Za-z0-9_-]{1,64}$",
+        description="the only job to report, immediately if it has ended; null: all jobs of the owner",
+    )
+    states: list[EndedState] = Field(
+        list(ENDED_STATES), min_length=1, max_length=3, description="report only jobs that ended in one of these states"
+    )

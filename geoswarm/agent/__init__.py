@@ -7,11 +7,9 @@
 ``inventory``  what runs on this machine
 ``fetched``    registered models that the service hands out, by hash
 ``outbox``     results on disk until the service has them
-``beats``      keep a lease, and tell when it is over
 ``runs``       makes runs in a process of its own and watches its limits; ``run_main`` is that process
 ``trees``      processes that end with all that they have started, by system
 ``spans``      until when an agent runs
-``backoff``    how long to wait before the next try at a service that does not answer
 ``errors``     what can go wrong between an agent and its service
 ``run_main``   the process that makes runs for an agent: reads requests from standard input, line by line, and answers
 =============  =======================================================================================================

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from geoswarm.agent.backoff import Backoff
 from geoswarm.agent.errors import (
     AgentError,
     KeyRefusedError,
@@ -30,7 +29,7 @@ from geoswarm.agent.inventory import announcement
 from geoswarm.agent.outbox import Outbox
 from geoswarm.agent.run_main import BOOTSTRAP
 from geoswarm.agent.runs import RunProcess
-from geoswarm.agent.server import Lease, Server, Terms
+from geoswarm.agent.server import Backoff, Lease, Server, Terms
 from geoswarm.agent.slot import Slot
 from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.registered.folders import VARIABLE

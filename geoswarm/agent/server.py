@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +18,7 @@ from geoswarm.agent.errors import (
 )
 from geoswarm.solver.registered.signed import MOST_BYTES
 
-__all__ = ["Lease", "Run", "Server", "Terms"]
+__all__ = ["Backoff", "Lease", "Run", "Server", "Terms"]
 
 CONNECT_SECONDS, ANSWER_SECONDS = 10.0, 60.0
 WAIT_SECONDS = 50.0  # where the service does not say: proxies end what takes a minute
@@ -214,3 +215,29 @@ def _lease(found: Mapping[str, Any] | None) -> Lease | None:
         return None
     runs = [Run(run["particle"], run["attempt"], run["values"], run["refused"]) for run in found["runs"]]
     return Lease(found["id"], found["job"], found["frame"], found["shared"], runs)
+
+
+FIRST_SECONDS, LONGEST_SECONDS = 0.5, 30.0
+
+
+class Backoff:
+    """Waits that double up to half a minute, each by chance half as long at least: a crowd does not come at once.
+
+    >>> waits = Backoff()
+    >>> 0.25 <= waits.next() <= 0.5
+    True
+    >>> 0.5 <= waits.next() <= 1.0
+    True
+    >>> waits.next(at_least=7.0) >= 7.0
+    True
+    """
+
+    def __init__(self) -> None:
+        self._longest = FIRST_SECONDS
+        self._chance = random.SystemRandom()
+
+    def next(self, at_least: float = 0.0) -> float:
+        """Return the next wait [s]."""
+        wait = self._longest * self._chance.uniform(0.5, 1.0)
+        self._longest = min(2.0 * self._longest, LONGEST_SECONDS)
+        return max(wait, at_least * self._chance.uniform(1.0, 1.2))

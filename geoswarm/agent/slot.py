@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from geoswarm.agent.backoff import Backoff
-from geoswarm.agent.beats import Beats
-from geoswarm.agent.errors import KeyRefusedError, LeaseEndedError, RejectedError, UnreachableError
+from geoswarm.agent.errors import AgentError, KeyRefusedError, LeaseEndedError, RejectedError, UnreachableError
 from geoswarm.agent.runs import RunOutcome, RunProcess, Unwanted
-from geoswarm.agent.server import Lease
+from geoswarm.agent.server import Backoff, Lease, Server
 from geoswarm.solver.forward.registry import parse_spec
 
 if TYPE_CHECKING:
     from geoswarm.agent.agent import Agent
 
-__all__ = ["Slot", "brought"]
+__all__ = ["Beats", "Slot", "brought"]
 
 log = logging.getLogger(__name__)
 
@@ -184,3 +182,39 @@ def brought(
                 }
             )
     return {"runs": runs, "killed": killed}
+
+
+class Beats:
+    """Beats in a thread of its own while the body of a ``with`` runs.
+
+    A service that does not answer changes nothing: what runs goes on, and what came of it is handed in later.
+    """
+
+    def __init__(self, server: Server, lease_id: str, every: float) -> None:
+        self.over: str | None = None
+        """Why what runs is to be killed."""
+        self.refused: str | None = None
+        """Why the key of this agent is of no use any more."""
+        self._server, self._lease, self._every = server, lease_id, every
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._beat, name=f"beats of {lease_id[:8]}", daemon=True)
+
+    def __enter__(self) -> Beats:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+
+    def _beat(self) -> None:
+        while not self._ended.wait(self._every):
+            try:
+                self._server.beat(self._lease)
+            except LeaseEndedError as error:
+                self.over = str(error)
+                return
+            except KeyRefusedError as error:
+                self.over = self.refused = str(error)
+                return
+            except AgentError as error:
+                log.info("lease %s: no answer to a beat: %s", self._lease[:8], error)

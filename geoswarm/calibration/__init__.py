@@ -10,7 +10,6 @@
 ``result``     what a calibration has found
 ``runs``       its history as columns
 ``plot``       measured and calculated series
-``jackknife``  the fits without each of several tests
 ``outlook``    what comes next, from a calibration in this process: predictions, and the worth of further tests
 =============  ================================================================================================
 """

@@ -18,8 +18,7 @@ from types import CodeType, FrameType, FunctionType
 from typing import Any
 
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.external.python.loading import file_being_imported, fingerprint
-from geoswarm.solver.external.python.session import keep_function
+from geoswarm.solver.external.python.loading import file_being_imported, fingerprint, keep_function
 from geoswarm.solver.external.python.signature import Signature, SignatureError, signature_in, signature_of
 
 __all__ = ["InProcessWarning", "function_section", "refuse_while_imported", "warn_in_process"]

@@ -2,6 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from geoswarm.solver.errors import SolverError
+
+if TYPE_CHECKING:
+    from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
+    from geoswarm.solver.report.document.build import Report
+
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from numbers import Real
@@ -9,10 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from geoswarm.calibration.folder import opened_folder, write_folder
-from geoswarm.calibration.jackknife import jackknife
 from geoswarm.calibration.outlook import Predicted, design, predict
 from geoswarm.calibration.runs import Runs
-from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult, EvaluationRecord, GenerationRecord
 from geoswarm.solver.system.extras import has, needs_extra
@@ -26,7 +32,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.identifiability.worth.outcome import Design
     from geoswarm.solver.report.document.build import Report
 
-__all__ = ["Result", "lacking_for_reports"]
+__all__ = ["Result", "jackknife", "lacking_for_reports"]
 
 
 class Result:
@@ -342,3 +348,18 @@ def lacking_for_reports() -> str | None:
     """What is not installed that reports need, and how to get it; None: everything is there."""
     missing = next((module for module in ("matplotlib", "jinja2", "reportlab") if not has(module)), None)
     return None if missing is None else needs_extra("a report", missing)
+
+
+def jackknife(report: Report, *, runs: int | None, workers: int) -> WithoutTests:
+    """Fit the parameters without each test; see :meth:`geoswarm.Result.jackknife`."""
+    from geoswarm.solver.identifiability.stored.findings import findings_of
+    from geoswarm.solver.identifiability.stored.follow_ups import jackknife_problem
+    from geoswarm.solver.runs.local import calibrate
+
+    found = None if report.statistics is None else report.statistics.linearisation
+    question = jackknife_problem(report.problem, found, seed=report.record.seed, runs=runs)
+    result = calibrate(question, workers=workers)
+    findings = findings_of(question, result.seed, [record.evaluation for record in result.history])
+    if findings.jackknife is None:
+        raise SolverError("; ".join(findings.notes))
+    return findings.jackknife

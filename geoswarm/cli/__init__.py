@@ -10,7 +10,6 @@
 ``options``    options and arguments that several commands share
 ``databases``  the database of a service, where a command needs one
 ``serve``      ``geoswarm serve``, ``worker`` and ``sweep``: the processes of a service
-``version``    the version of this installation
 =============  ===========================================================================
 
 Exit codes: 0 ok, 1 a run failed, 2 bad input (also: a service, database or broker that cannot be reached, a port in

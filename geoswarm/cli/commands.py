@@ -8,10 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as installed_version
 
 import click
 
-__all__ = ["COMMANDS", "CommandEntry", "LazyGroup", "cli"]
+__all__ = ["COMMANDS", "CommandEntry", "LazyGroup", "cli", "version"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,8 +162,6 @@ class LazyGroup(click.Group):
 
 def _print_version(ctx: click.Context, _parameter: click.Parameter, wanted: bool) -> None:
     if wanted and not ctx.resilient_parsing:
-        from geoswarm.cli.version import version  # importlib.metadata is slow to import
-
         click.echo(f"geoswarm {version()}")
         ctx.exit()
 
@@ -188,3 +188,11 @@ def cli(ctx: click.Context, debug: bool) -> None:
 
     session = ctx.ensure_object(CommandContext)
     session.debug, session.command = debug, ctx.invoked_subcommand
+
+
+def version() -> str:
+    """Return the version of the installed package; ``unknown`` in a checkout that is not installed."""
+    try:
+        return installed_version("geoswarm")
+    except PackageNotFoundError:
+        return "unknown (not installed)"

@@ -11,7 +11,6 @@
 ``sse``             reads an event stream
 ``administration``  records of operations, for administrators, and of who one is
 ``bodies``          records of bodies: the mesh of an evaluation, what was measured on it, and how it moves
-``files``           files that appear only when they are complete
 ``points``          evaluations of a job as arrays, from the block of float32 that plots use
 ==================  ===============================================================================================
 """
@@ -48,14 +47,12 @@ from geoswarm.client.models import (
     WarmStart,
 )
 from geoswarm.client.points import PointParameter, Points, PointSeries
+from geoswarm.records.account import Hook, Key, NewHook, NewKey
 from geoswarm.records.evaluation import Attempt, Best, Evaluation, Response
-from geoswarm.records.event import Event
 from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
-from geoswarm.records.generation import Generation
-from geoswarm.records.hook import Hook, NewHook
+from geoswarm.records.history import Event, Generation
 from geoswarm.records.job import Job, Retry
-from geoswarm.records.key import Key, NewKey
-from geoswarm.records.page import Page
+from geoswarm.records.record import Page
 from geoswarm.records.statistics import ReweightAnswer, SeriesShare, StatisticsAnswer, WeightShare
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 from geoswarm.records.worker import Worker

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 
-from geoswarm.records.event import Event
+from geoswarm.records.history import Event
 
 __all__ = ["EventReader"]
 

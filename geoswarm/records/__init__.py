@@ -4,11 +4,9 @@ Frozen dataclasses of the standard library: importing them costs next to nothing
 client reads answers into them. Fields as in the HTTP contract; units kN, m, day, degree, seconds where named so.
 
 ===============  ==========================================================================
-``record``       how a record is written
+``record``       how a record is written; one page of a listing
 ``states``       states of jobs, evaluations and keys
-``page``         one page of a listing
 ``job``          a job
-``generation``   one cycle of its search
 ``evaluation``   one forward calculation, its attempts, its columns in tables, the best one
 ``event``        what happens to a job
 ``fit``          measured points with what was calculated there
@@ -17,8 +15,9 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``uncertainty``  what its follow-ups have found, a sample of the posterior
 ``worker``       who runs forward calculations
 ``key``          API keys and roles
-``hook``         whom to tell when a job has ended
 ``arrays``       how arrays are read and written
 ``progress``     how far a job is within its generation, and what its follow-ups would cost
+``account``      what an owner sets up in a service: API keys with their roles, hooks
+``history``      what happens to a job: events, and the cycles of its search
 ===============  ==========================================================================
 """

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias, TypeVar, dataclass_transform, overload
+from typing import Any, Generic, TypeAlias, TypeVar, dataclass_transform, overload
 
-__all__ = ["Number", "record", "described"]
+__all__ = ["Number", "Page", "described", "record"]
 
 Made = TypeVar("Made")
 
@@ -47,3 +47,14 @@ def record(made: type[Made] | None = None, *, eq: bool = True, closed: bool = Fa
         return dataclass(frozen=True, slots=True, kw_only=True, eq=eq)(made)
 
     return make if made is None else make(made)
+
+
+Item = TypeVar("Item")
+
+
+@record
+class Page(Generic[Item]):
+    """Some items of a list; ``next_cursor`` gets the next page, None at the end."""
+
+    items: list[Item]
+    next_cursor: str | None

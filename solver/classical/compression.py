@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.errors import NoEvaluationError
-from geoswarm.solver.classical.straight import straight_line
+from geoswarm.solver.classical.curves import NoEvaluationError, straight_line
 
 __all__ = ["VirginLine", "compression_index", "first_loading", "swelling_index", "virgin_line"]
 

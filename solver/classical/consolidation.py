@@ -13,8 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.errors import NoEvaluationError
-from geoswarm.solver.classical.straight import straight_line
+from geoswarm.solver.classical.curves import NoEvaluationError, straight_line
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 
 __all__ = ["WATER", "ConstantRate", "constant_rate"]
 

@@ -10,8 +10,7 @@ import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.compression import VirginLine, first_loading, virgin_line
-from geoswarm.solver.classical.errors import NoEvaluationError
-from geoswarm.solver.classical.straight import straight_line
+from geoswarm.solver.classical.curves import NoEvaluationError, straight_line
 
 __all__ = ["Casagrande", "LogLog", "casagrande", "casagrande_construction", "log_log", "log_log_lines"]
 

@@ -24,8 +24,8 @@ from geoswarm.solver.forward.isolation import run_isolated
 from geoswarm.solver.laboratory.flow.load_stages import LATE, LoadStages
 from geoswarm.solver.laboratory.record import no_voids
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault, permeability_of
-from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.laws.initial_state import horizontal_stress
 from geoswarm.solver.laws.sources import HANSBO, HOLTZ, TERZAGHI
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw

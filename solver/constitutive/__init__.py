@@ -9,7 +9,6 @@
 ``hypoplasticity``    hypoplasticity of clay and sand, with intergranular strain
 ``principal_return``  what returns on principal axes have in common
 ``invariants``        invariants of principal stresses with first and second derivatives
-``logarithmic``       functions of elasticity that stiffens with pressure
 ``tensors``           symmetric tensors as six components, small dense algebra
 ``local_arrays``      arrays that live as long as the call of a kernel: memory of its frame, without a request to the
                       system

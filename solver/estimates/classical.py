@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 from geoswarm.solver.estimates.compression import (
     compression_constructions,
     compression_readings,

@@ -11,7 +11,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.compression import compression_index, first_loading, swelling_index, virgin_line
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 from geoswarm.solver.classical.preconsolidation import casagrande_construction, log_log_lines
 from geoswarm.solver.estimates.construction import Construction, Line, Mark
 from geoswarm.solver.estimates.stage_ends import LoadTest, measured_strain

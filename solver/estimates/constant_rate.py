@@ -8,8 +8,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.constant_rate import constant_rate
-from geoswarm.solver.classical.errors import NoEvaluationError
-from geoswarm.solver.classical.straight import straight_line
+from geoswarm.solver.classical.curves import NoEvaluationError, straight_line
 from geoswarm.solver.estimates.compression import CompressionReadings
 from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.forward.combined import ModelPart

@@ -10,8 +10,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.compression import first_loading
-from geoswarm.solver.classical.errors import NoEvaluationError
-from geoswarm.solver.classical.straight import straight_line
+from geoswarm.solver.classical.curves import NoEvaluationError, straight_line
 from geoswarm.solver.estimates.compression import CompressionReadings, compression_readings
 from geoswarm.solver.estimates.stage_ends import load_tests
 from geoswarm.solver.estimates.triaxial import sheared_specimen

@@ -11,7 +11,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.consolidation import Consolidation, log_time, root_time
 from geoswarm.solver.classical.constant_rate import WATER
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 from geoswarm.solver.estimates.construction import Construction, Line, Mark
 from geoswarm.solver.estimates.stage_ends import LoadTest
 from geoswarm.solver.estimates.value import ClassicalValue

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError, straight_line
 from geoswarm.solver.classical.mohr_circles import Strength, mohr_circles
-from geoswarm.solver.classical.straight import straight_line
 from geoswarm.solver.estimates.construction import Arc, Construction, Line
 from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.forward.combined import ModelPart

@@ -10,8 +10,6 @@
 ``copies``         files on their way into a folder, where nothing is overwritten
 ``errors``         what can go wrong around the files of a program
 ``pest_control``   control files of PEST and PEST++ as problem files
-``reading_time``   limits the time for reading the output of a run: a regular expression can take forever on a single
-                   line
 ``umbridge``       models behind the UM-Bridge protocol 1.0: the client's side
 =================  ==================================================================================================
 """

@@ -14,8 +14,8 @@ Specs are found through the entry point group ``geoswarm.forward_models``; any i
                            be identified
 ``diagram``                diagrams that engineers draw of a test, of one series over another: declared by the test,
                            drawn by reports
-``fields``                 fields that sections of several forward models have in the same words, and what is checked of
-                           them alike
+``fields``                 what sections of several forward models have in common: fields, their checks, one material
+                           with its law
 ``finite_element``         a plane body on the user's own mesh of triangles
 ``formula``                forward model given by expressions: for teaching, for tests of the method and for quick curve
                            fits
@@ -24,8 +24,6 @@ Specs are found through the entry point group ``geoswarm.forward_models``; any i
 ``isotropic_compression``  isotropic compression test: a cylindrical specimen under all-round pressure in stages
 ``oedometer``              oedometer test: one-dimensional compression of a confined specimen under vertical loads in
                            stages
-``one_material``           what the sections of tests on one material have in common: its law, ours, installed, or in a
-                           library of a user
 ``programs``               forward models that we did not write: sections and models, with :mod:`.foreign` below them
 ``registry``               finds forward models by their kind: those of this package and those that other packages offer
                            as entry points

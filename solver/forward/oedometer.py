@@ -15,8 +15,8 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.staged_load import StagedLoadModel
 from geoswarm.solver.forward.staged_section import MAX_LENGTH, MAX_STRESS, MIN_LENGTH, StagedLoadSpec
-from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Soil
+from geoswarm.solver.laws.initial_state import horizontal_stress
 from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel
 

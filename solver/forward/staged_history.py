@@ -16,7 +16,7 @@ from geoswarm.solver.element_test.load_paths import follow_load_path, point_unde
 from geoswarm.solver.element_test.specimen import specimen_load_paths
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
-from geoswarm.solver.laws.initial_voids import voids_column
+from geoswarm.solver.laws.initial_state import voids_column
 from geoswarm.solver.laws.soft_soil_creep import creep_soil
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from geoswarm.solver.forward.isolation import run_isolated
 from geoswarm.solver.forward.staged_history import history_of, voids
 from geoswarm.solver.forward.staged_section import SpecimenMesh, StagedLoadSpec
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.laws.initial_voids import settled, void_ratio_parameters, voids_column
+from geoswarm.solver.laws.initial_state import settled, void_ratio_parameters, voids_column
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
-from geoswarm.solver.forward.fields import Geometry, require_stage
-from geoswarm.solver.forward.one_material import OneMaterialSpec
+from geoswarm.solver.forward.fields import Geometry, OneMaterialSpec, require_stage
 from geoswarm.solver.user_laws.material import LawChoice
 
 if TYPE_CHECKING:

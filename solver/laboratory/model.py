@@ -21,9 +21,14 @@ from geoswarm.solver.laboratory.section import FlowSpec, LaboratorySpec, Loading
 from geoswarm.solver.laboratory.series import TestSeries
 from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault
-from geoswarm.solver.laws.at_rest import horizontal_stress
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.laws.initial_voids import knows_voids, settled, void_ratio_parameters, voids_column
+from geoswarm.solver.laws.initial_state import (
+    horizontal_stress,
+    knows_voids,
+    settled,
+    void_ratio_parameters,
+    voids_column,
+)
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 

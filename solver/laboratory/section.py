@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
-from geoswarm.solver.forward.fields import Geometry, LawSettings, StepError
-from geoswarm.solver.forward.one_material import OneMaterialSpec
+from geoswarm.solver.forward.fields import Geometry, LawSettings, OneMaterialSpec, StepError
 from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STRESS
 
 if TYPE_CHECKING:

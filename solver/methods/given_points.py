@@ -74,7 +74,7 @@ class GivenPointsMethod(FollowUpMethod):
         """Prepare to make it for a job."""
 
         def search(snapshot: Snapshot | None) -> Search:
-            from geoswarm.solver.search.descent.given import GivenSearch
+            from geoswarm.solver.search.monte_carlo import GivenSearch
 
             return GivenSearch(self.positions(task.space.names), BATCH, snapshot)
 

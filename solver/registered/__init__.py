@@ -6,7 +6,6 @@
 ``settings``     values of a few types that users may choose
 ``folders``      where registered models are found, and what version they are
 ``model``        the forward model
-``shown``        what users of a service see of its messages
 ``schema``       what forms need to know
 ``signed``       the signed list of registered models that a service hands out: which files each consists of, and that
                  it is genuine

@@ -8,6 +8,10 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import re
+import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -20,12 +24,11 @@ from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.registered.declaration import Declared, read_declaration
 from geoswarm.solver.registered.folders import NAME, find_folder, version_of
 from geoswarm.solver.registered.settings import Given, SettingName, chosen, numbers_of, setting_issues
-from geoswarm.solver.registered.shown import without_paths
 
 if TYPE_CHECKING:
     from geoswarm.solver.registered.model import RegisteredModel
 
-__all__ = ["RegisteredSpec"]
+__all__ = ["RegisteredSpec", "without_paths"]
 
 
 class RegisteredSpec(ForwardModelSpec):
@@ -143,3 +146,37 @@ class RegisteredSpec(ForwardModelSpec):
         if self.declared is None:
             raise ProblemError([Issue("forward_model.model", f"model {self.model} is not known here")])
         return RegisteredModel(self, self.declared)
+
+
+_BEGINS = r"(?:(?<![\w./~-])|(?<=\s-[A-Za-z]))"  # no part of a relative path, of an address or of a unit
+_SIGNS = r"\s'\"`<>|:;,()\[\]{}="
+_ENDS = rf"(?=[/{_SIGNS}]|\.?(?:\s|$))"
+_ABSOLUTE = re.compile(rf"{_BEGINS}/(?P<first>[^/{_SIGNS}]+)(?:/[^/{_SIGNS}]*)*")
+
+
+def without_paths(text: str, model: str, folders: Iterable[Path] = ()) -> str:
+    """Return a text in which paths are relative: to the model by its name, else the name of a file alone.
+
+    Parameters
+    ----------
+    model, folders
+        Name of the model, and folders that stand for it.
+
+    Examples
+    --------
+    >>> without_paths("/srv/m/deck.inp, /usr/bin/env: 3 kN/m", "footing", [Path("/srv/m")])
+    'footing/deck.inp, env: 3 kN/m'
+    """
+    text = text.replace("file://", "")
+    for folder in sorted({str(one) for one in folders}, key=len, reverse=True):
+        text = re.sub(_BEGINS + re.escape(folder) + _ENDS, lambda _: model, text)
+    temporary = tempfile.gettempdir().rstrip(os.sep)
+    text = re.sub(_BEGINS + re.escape(temporary) + r"/(?=[^/\s])", "", text)
+    return _ABSOLUTE.sub(_last, text)
+
+
+def _last(found: re.Match[str]) -> str:
+    """The last part of a path, where there is such a folder at all."""
+    if not os.path.lexists(f"/{found['first']}"):
+        return found[0]
+    return found[0].rstrip("/").rpartition("/")[2]

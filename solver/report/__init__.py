@@ -2,9 +2,8 @@
 
 ===============  =====================================================================================================
 ``record``       what a report tells of a run, wherever it was
-``curves``       measured and calculated series in the units that the user gave
+``curves``       measured and calculated series in the units that the user gave; which points of long ones are drawn
 ``laboratory``   parameters as laboratories know them; ``compression`` the tests that they are read from
-``thinning``     which points of long series are drawn
 ``uncertainty``  what follow-ups and a posterior sample have found
 ``jsonable``     any of these as JSON
 ``folder``       the files of ``geoswarm run --output``, written and read again
@@ -16,7 +15,6 @@
 ``diagrams``     measured and calculated values of the diagrams that tests declare: one series over another
 ``overlays``     several tests in one diagram: the curves of all that have the same axes, measured and calculated
 ``questions``    starting point of follow-ups, from the report of a run: parameters with all that is known about them
-``slug``         a name as a part of a file name
 ``terms``        identified parameters of any law in the laboratory's terms, as the law declares them
 ===============  =====================================================================================================
 """

@@ -5,25 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
-from geoswarm.solver.arrays import BoolArray, FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.objective import OUTLYING
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import stage_times
-from geoswarm.solver.report.thinning import MOST_SHOWN, shown
 from geoswarm.solver.units import convert
 
-__all__ = [
-    "SeriesCurve",
-    "initial_values",
-    "load_times",
-    "objective_unit",
-    "series_curves",
-]
+__all__ = ["MOST_SHOWN", "SeriesCurve", "initial_values", "load_times", "objective_unit", "series_curves", "shown"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,3 +220,32 @@ def _curve(
         gross_y=to_y(observation.gross_y),
         loss_weights=None if weights is None else weights[order],
     )
+
+
+MOST_SHOWN = 4000
+"""Points of a curve that a figure draws: more than it has pixels."""
+
+
+def shown(*curves: FloatArray) -> IntArray:
+    """Return which points to draw, rising.
+
+    Parameters
+    ----------
+    curves
+        Values over one x, each of shape (n,).
+
+    Returns
+    -------
+    All n if they are not too many; else of every group of neighbours the first, the last, and for each of the curves
+    the lowest and the highest, so that lines and clouds of points look as if all were drawn.
+    """
+    count = len(curves[0])
+    if count <= MOST_SHOWN:
+        return np.arange(count)
+    groups = MOST_SHOWN // (2 + 2 * len(curves))
+    edges = np.linspace(0, count, groups + 1).astype(np.int64)
+    chosen = [edges[:-1], edges[1:] - 1]
+    for curve in curves:
+        for pick in (np.argmin, np.argmax):
+            chosen += [np.array([a + int(pick(curve[a:b])) for a, b in pairwise(edges)])]
+    return np.unique(np.concatenate(chosen))

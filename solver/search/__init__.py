@@ -1,28 +1,26 @@
 """Search methods: ask for a generation, tell its objectives, take a snapshot. They never call an objective.
 
-==========================  ================================================================
-``space``                   bounds, search coordinates, feasibility
-``randomness``              random numbers that depend on (seed, generation, particle) alone
+==========================  ==========================================================================================
+``space``                   bounds, search coordinates, feasibility; how widely a generation is scattered
+``determinism``             the same numbers in any order and on any number of workers: random numbers, one thread for
+                            linear algebra
 ``particle_swarm``          the synchronous particle swarm of the published study
 ``differential_evolution``  the synchronous one of Storn and Price
 ``acceleration``            proposals learned from all runs so far
-``diversity``               how widely a generation is scattered
-``monte_carlo``             random, Latin hypercube and Sobol sampling
+``monte_carlo``             random, Latin hypercube and Sobol points; points that are given
 ``descent``                 the way down to a minimum, and what its surroundings are told by
 ``bounded``                 linear least squares inside bounds
-``one_thread``              sums of products in the same order on every machine
 ``base``                    the protocol of a search method
-==========================  ================================================================
+==========================  ==========================================================================================
 """
 
 from __future__ import annotations
 
 from geoswarm.solver.search.acceleration import Runs
 from geoswarm.solver.search.base import Search, Snapshot, WideSearch
-from geoswarm.solver.search.diversity import diversity
 from geoswarm.solver.search.monte_carlo import MonteCarlo, MonteCarloSettings, SamplingDesign
 from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
-from geoswarm.solver.search.space import SearchSpace
+from geoswarm.solver.search.space import SearchSpace, diversity
 
 __all__ = [
     "MonteCarlo",

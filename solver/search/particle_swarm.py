@@ -25,8 +25,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.acceleration import Proposer, ProposerState, Runs
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.descent.ending import Ending
-from geoswarm.solver.search.one_thread import one_thread
-from geoswarm.solver.search.randomness import particle_generator
+from geoswarm.solver.search.determinism import one_thread, particle_generator
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["ParticleSwarm", "SwarmSettings"]

@@ -1,4 +1,4 @@
-"""The space that a search moves in: bounds, search coordinates and feasibility."""
+"""The space that a search moves in: bounds, search coordinates, feasibility, and the scatter of a generation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.errors import InfeasibleSpaceError
 
-__all__ = ["SearchSpace"]
+__all__ = ["SearchSpace", "diversity"]
 
 _DRAWS = 10_000  # bounded search for a feasible point before giving up
 
@@ -115,3 +115,18 @@ class SearchSpace:
             f"no point that satisfies the constraints was found in {_DRAWS} draws inside the bounds of "
             f"{', '.join(self.names)}; widen the bounds or relax the constraints"
         )
+
+
+def diversity(units: FloatArray) -> float:
+    """Root mean square distance of a generation from its centroid, relative to points that fill the box evenly.
+
+    Near 1 for a generation that is scattered over the whole space, 0 where all particles are at one point. The
+    parameters count alike: sqrt(12 mean_j(mean_i (u_ij - mean_i u_ij)^2)), as the variance of an even distribution over
+    a unit interval is 1/12. At most sqrt(3), half of the particles at either end of every parameter.
+
+    Parameters
+    ----------
+    units
+        Places between the bounds, shape (n, d), 0 to 1 in search coordinates.
+    """
+    return float(np.sqrt(12.0 * units.var(axis=0).mean()))

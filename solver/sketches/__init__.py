@@ -10,7 +10,6 @@
 ``ticks``     ticks of its axes
 ``shapes``    lines, areas and texts, and the sheet that they are put on
 ``svg``       shapes as an element for a page
-``lengths``   lengths as they are usual: of specimens in mm, of ground in m, thin layers in cm
 ``marks``     the values beside the line of a loading programme: each where it touches neither a line nor another value
 ============  =========================================================================================================
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from geoswarm.solver.sketches.declared import Ground
-from geoswarm.solver.sketches.lengths import ground_length
+from geoswarm.solver.sketches.drawing import ground_length
 from geoswarm.solver.sketches.shapes import Drawing, Ink, Sheet, text_width
 
 __all__ = ["draw_ground"]

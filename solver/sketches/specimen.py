@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 
 from geoswarm.solver.sketches.declared import End, SpecimenSketch
-from geoswarm.solver.sketches.lengths import specimen_length
+from geoswarm.solver.sketches.drawing import specimen_length
 from geoswarm.solver.sketches.shapes import Drawing, Sheet, text_width
 
 __all__ = ["draw_specimen"]

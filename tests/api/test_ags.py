@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from geoswarm.api.compute.requests import is_compute
+from geoswarm.api.compute.middleware import is_compute
 from geoswarm.client import AsyncClient, Client, HttpError
 from tests.api.conftest import API, App, LiveServer
 from tests.solver.ags.synthetic import COHESION, PHI, STRESSES, content, groups, void_ratio

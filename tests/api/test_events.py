@@ -14,9 +14,8 @@ import httpx
 import pytest
 
 from geoswarm.api import ApiSettings
-from geoswarm.api.events.event_text import MOST_GENERATIONS, BatchTexts, encode_event, thinned
-from geoswarm.api.events.feed import EventFeed
-from geoswarm.records.event import Event
+from geoswarm.api.events.feed import MOST_GENERATIONS, BatchTexts, EventFeed, encode_event, thinned
+from geoswarm.records.history import Event
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.hosts.engine import Engine
 from geoswarm.workers.service.job_service import JobService

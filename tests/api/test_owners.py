@@ -10,7 +10,7 @@ import pytest
 from pydantic import SecretStr
 
 from geoswarm.api import ApiSettings
-from geoswarm.records.key import Role
+from geoswarm.records.account import Role
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.access.principal import Principal

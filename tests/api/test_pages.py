@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 import pytest
 
 from geoswarm.api.pages.convergence import LEFT, PLOT_WIDTH, RIGHT, convergence
+from geoswarm.api.pages.service import own_address
 from geoswarm.api.pages.shell import number
-from geoswarm.api.pages.sign_in import own_address
-from geoswarm.records.generation import Generation
+from geoswarm.records.history import Generation
 from tests.api.conftest import API, App, line_problem
 
 

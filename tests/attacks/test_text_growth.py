@@ -26,14 +26,14 @@ from geoswarm.solver.problem.tables.cells import read_cells
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import guess_unit, units_in_comments
 from geoswarm.solver.problem.tables.reading import TableError, cell_number, table_lines, table_rows
-from geoswarm.solver.problem.text.json_places import duplicate_place
 from geoswarm.solver.problem.text.lines import lines_of
+from geoswarm.solver.problem.text.reading import duplicate_place
 from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import did_you_mean, typeset
 from geoswarm.workers.errors import InvalidCursorError
 from geoswarm.workers.logs import JsonFormatter, TextFormatter
+from geoswarm.workers.queries.listing import decode_cursor
 from geoswarm.workers.secrets import redact
-from geoswarm.workers.store.cursors import decode_cursor
 from tests.solver.ags import synthetic
 
 LONGEST = 40_000

@@ -15,7 +15,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.agents.desk import AgentDesk
-from geoswarm.workers.agents.needs import needs_of
+from geoswarm.workers.agents.prepared import needs_of
 from geoswarm.workers.agents.work import Announcement, BroughtRun, Grant, Wanted
 from geoswarm.workers.errors import LeaseOverError, QuotaExceededError, UnknownAgentError
 from geoswarm.workers.operations.sweep import Sweeper

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from geoswarm.workers.errors import SettingsError
-from geoswarm.workers.execution.limits import limits_of
+from geoswarm.workers.execution.sandbox import limits_of
 from geoswarm.workers.settings import Settings, mask_url
 from tests.workers.problems import line
 

@@ -12,8 +12,7 @@ from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Submission
 from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.identity import Identity, is_dead, this_machine
-from geoswarm.workers.operations.sweep import Sweeper
-from geoswarm.workers.operations.sweep_marks import begin_sweep
+from geoswarm.workers.operations.sweep import Sweeper, begin_sweep
 from geoswarm.workers.queries.workers import register_worker
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings

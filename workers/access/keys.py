@@ -12,7 +12,7 @@ import secrets
 
 from sqlalchemy import Connection
 
-from geoswarm.records.key import ROLES, Key, Role
+from geoswarm.records.account import ROLES, Key, Role
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import KeyNotFoundError, SettingsError, StoreUnavailableError
 from geoswarm.workers.queries import api_keys

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from geoswarm.records.key import ROLES, Role
+from geoswarm.records.account import ROLES, Role
 
 __all__ = ["LOCAL", "Principal"]
 

@@ -18,8 +18,7 @@ from geoswarm.solver.errors import InfeasibleSpaceError, ProblemError, SolverErr
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.system.versions import versions
-from geoswarm.workers.agents.needs import is_need, needs_of, registered_need
-from geoswarm.workers.agents.prepared import Prepared, PreparedJobs
+from geoswarm.workers.agents.prepared import Prepared, PreparedJobs, is_need, needs_of, registered_need
 from geoswarm.workers.agents.side import SECONDS_TO_SPARE, Side, slot_name
 from geoswarm.workers.agents.work import Announcement, BroughtRun, Grant, Terms, Wanted, evaluation_of
 from geoswarm.workers.coordinator.runtime import Runtime

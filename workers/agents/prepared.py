@@ -1,4 +1,4 @@
-"""Jobs made ready for exchanges with agents, kept by the process that speaks to them."""
+"""Jobs made ready for exchanges with agents: what they need from a worker, and what is kept in this process."""
 
 from __future__ import annotations
 
@@ -13,15 +13,19 @@ from cachetools import LRUCache
 
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.course import Course
+from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.solver.forward.registry import BUILT_IN
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.workers.execution.limits import limits_of
+from geoswarm.solver.registered.spec import RegisteredSpec
+from geoswarm.solver.warm import OTHER_LAWS, groups_of
+from geoswarm.workers.execution.sandbox import limits_of
 from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.queries.offers import read_offer
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_problem
 
-__all__ = ["Prepared", "PreparedJobs", "frame_of"]
+__all__ = ["Prepared", "PreparedJobs", "frame_of", "is_need", "needs_of", "registered_need"]
 
 KEPT = 256
 
@@ -101,3 +105,35 @@ def frame_of(problem: Problem, settings: Settings) -> tuple[str, dict[str, Any]]
     }
     text = json.dumps(shared, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:32], shared
+
+
+MOST_LETTERS = 100_000
+
+
+def needs_of(spec: ForwardModelSpec) -> str:
+    """Return what a forward model needs, one word each, in order: it runs where all of them are offered.
+
+    A model or soil law of another package is what no agent offers: which version of it would have to be the same is
+    not known.
+    """
+    needs: set[str] = {spec.kind} if spec.kind == "combined" else set()
+    for part in spec.by_part().values():
+        if isinstance(part, RegisteredSpec):
+            needs.add(registered_need(part.model, part.version or ""))
+        elif part.kind in BUILT_IN and not part.runs_programs:
+            needs.add(part.kind)
+        else:
+            needs.add(f"foreign:{part.kind}")
+        if OTHER_LAWS in groups_of(part):
+            needs.add("foreign:law")
+    return " ".join(sorted(needs))
+
+
+def registered_need(model: str, version: str) -> str:
+    """Return what a registered model is as a need."""
+    return f"registered:{model}:{version}"
+
+
+def is_need(text: str) -> bool:
+    """Whether an agent may offer it."""
+    return text in BUILT_IN or text.startswith("registered:")

@@ -16,7 +16,6 @@
                      transaction
 ``tries``            effect of a result, a lost worker or a returned claim on one evaluation among the rows of its
                      generation
-``width``            how many runs of a job can be in progress at once
-``work``             messages between a worker and the runtime
+``work``             messages between a worker and the runtime; how many runs of a job can be in progress at once
 ===================  =================================================================================================
 """

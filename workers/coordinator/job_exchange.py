@@ -19,8 +19,7 @@ from geoswarm.workers.coordinator.generation_rows import Cell, GenerationRows, l
 from geoswarm.workers.coordinator.hand_out import HandOut
 from geoswarm.workers.coordinator.retry import finish_retry, open_retries
 from geoswarm.workers.coordinator.tries import give_back, record_result
-from geoswarm.workers.coordinator.width import free_slots
-from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, Result, Sizing, Submission
+from geoswarm.workers.coordinator.work import Asked, Claim, Exchange, Result, Sizing, Submission, free_slots
 from geoswarm.workers.queries.evaluations import list_results
 from geoswarm.workers.queries.jobs import LockedJob, lock_job, save_job
 from geoswarm.workers.queries.queue import note_served, note_typical

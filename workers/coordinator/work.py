@@ -1,4 +1,4 @@
-"""Messages between a worker and the runtime."""
+"""Messages between a worker and the runtime, and how many runs of a job can be in progress at once."""
 
 from __future__ import annotations
 
@@ -12,9 +12,23 @@ from sqlalchemy import Connection
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Evaluation
+from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.workers.queries.workers import count_live, count_machines, workers_elsewhere
+from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import JobStatus, Joined, Transition
 
-__all__ = ["AgentSide", "Asked", "Claim", "Exchange", "Submission", "LocalBatch", "Result", "Sizing", "joined"]
+__all__ = [
+    "AgentSide",
+    "Asked",
+    "Claim",
+    "Exchange",
+    "LocalBatch",
+    "Result",
+    "Sizing",
+    "Submission",
+    "free_slots",
+    "joined",
+]
 
 HANDING_OUT_SECONDS = 0.0002  # what it costs to hand out an evaluation and to take in its result
 LONG_BATCH = 10.0  # times local_batch_seconds, for runs that cost less than that
@@ -219,3 +233,15 @@ class Sizing:
             longest = math.ceil(self.chunk_seconds / typical_seconds)
             return max(1, min(-(-2 * left // (3 * workers)), longest))
         return particles if self.local_batch(typical_seconds, particles) else -(-particles // workers)
+
+
+def free_slots(connection: Connection, settings: Settings, model: ForwardModelSpec, job_id: str) -> int:
+    """Return the number of live workers without an evaluation of another job, within the slots of the model.
+
+    A worker knows the limits of its own group; others on other machines are taken to be like it.
+    """
+    workers = count_live(connection, settings.lease_seconds) - workers_elsewhere(connection, job_id)
+    machines = max(1, count_machines(connection, settings.lease_seconds))
+    if model.kind in settings.slots:
+        workers = min(workers, settings.slots[model.kind] * machines)
+    return max(1, model.at_once(workers, machines))

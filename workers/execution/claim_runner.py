@@ -14,7 +14,7 @@ from geoswarm.solver.runner.fork_server_link import POLL_SECONDS
 from geoswarm.workers.coordinator.ending import changed_criteria
 from geoswarm.workers.coordinator.work import Claim, LocalBatch, Result, Submission, joined
 from geoswarm.workers.execution.heartbeat import Heartbeat
-from geoswarm.workers.execution.limits import limits_of
+from geoswarm.workers.execution.sandbox import limits_of
 from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import GenerationJoined, JobStatus, apply

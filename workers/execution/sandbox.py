@@ -9,14 +9,13 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator
+from geoswarm.solver.runner.evaluator import Evaluator, InlineEvaluator, RunLimits
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.solver.runs.check import CheckReport, check_problem
-from geoswarm.workers.execution.limits import limits_of
 from geoswarm.workers.settings import Settings
 
-__all__ = ["Sandbox"]
+__all__ = ["Sandbox", "limits_of"]
 
 
 class Sandbox:
@@ -38,7 +37,7 @@ class Sandbox:
             return check_problem(problem, self._evaluate)
 
     def fields(self, problem: Problem, parameters: FloatArray, part: str) -> Evaluation:
-        """Run a forward calculation for the fields of a body, see :mod:`geoswarm.solver.runner.fields`."""
+        """Run a forward calculation for the fields of a body, see :mod:`geoswarm.solver.runner.evaluator`."""
         with self._lock:
             self._number += 1
             return self._evaluate(Calibration(problem, 0), parameters, part)
@@ -61,3 +60,9 @@ class Sandbox:
         name = f"test run {self._number}"
         (outcome,) = self._evaluator.run(name, calibration, position[np.newaxis], limits, fields=fields)
         return outcome.evaluation
+
+
+def limits_of(problem: Problem, settings: Settings) -> RunLimits:
+    """Return the limits of a problem, and of these workers where they are tighter."""
+    most = (settings.evaluation_seconds, settings.evaluation_memory_mb)
+    return RunLimits.of(problem).within(*most, of_time="GEOSWARM_EVALUATION_SECONDS of the workers")

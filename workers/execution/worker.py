@@ -19,8 +19,7 @@ from geoswarm.solver.runner.evaluator import BuildError, Evaluator, InlineEvalua
 from geoswarm.solver.runner.kernels import make_ready
 from geoswarm.solver.runner.runner import Runner
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.coordinator.width import free_slots
-from geoswarm.workers.coordinator.work import Claim, Exchange, Submission
+from geoswarm.workers.coordinator.work import Claim, Exchange, Submission, free_slots
 from geoswarm.workers.errors import StoreUnavailableError, WorkersError
 from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.execution.heartbeat import Heartbeat

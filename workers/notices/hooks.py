@@ -8,7 +8,7 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, Select, and_, delete, func, insert, or_, select, text
 
-from geoswarm.records.hook import Hook, NewHook
+from geoswarm.records.account import Hook, NewHook
 from geoswarm.records.states import ENDED_STATES, EndedState
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.access.quotas import lock_quotas

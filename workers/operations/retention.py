@@ -18,7 +18,7 @@ from geoswarm.workers.operations.sweep import with_signals
 from geoswarm.workers.queries import jobs
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.journal import empty_journal, note_deletion
+from geoswarm.workers.store.file import empty_journal, note_deletion
 
 __all__ = ["Pruned", "delete_job", "prune", "run_prune"]
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import logging
 import signal
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from types import FrameType
 
-from sqlalchemy import Connection
+from sqlalchemy import ColumnElement, Connection, delete, not_, or_, select
+from sqlalchemy.dialects.postgresql import insert
 
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import is_dead, this_machine
 from geoswarm.workers.operations.counters import process_counters
-from geoswarm.workers.operations.sweep_marks import begin_sweep, due_sweeps, forget_marks
 from geoswarm.workers.queries.agents import (
     any_old_leases,
     end_lease,
@@ -34,12 +34,14 @@ from geoswarm.workers.queries.workers import (
     mark_lost,
     overdue_workers,
 )
+from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import unpack_json
 from geoswarm.workers.store.database import Record
-from geoswarm.workers.store.journal import empty_journal
+from geoswarm.workers.store.file import empty_journal
+from geoswarm.workers.store.tables import counters
 from geoswarm.workers.waker import Waker
 
-__all__ = ["Sweeper", "with_signals"]
+__all__ = ["Sweeper", "begin_sweep", "due_sweeps", "forget_marks", "with_signals"]
 
 log = logging.getLogger(__name__)
 
@@ -206,3 +208,35 @@ def with_signals(stop: Callable[[], None]) -> None:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, handle)
+
+
+NAME = "sweep"
+FORGET_SECONDS = 3600.0  # machines that have gone
+
+
+def due_sweeps(connection: Connection, labels: Collection[str], seconds: float) -> list[str]:
+    """Return those of the labels whose sweep nobody began in these seconds."""
+    marks = counters.c.name == NAME, counters.c.label.in_(labels), not_(_old(seconds))
+    fresh = set(connection.scalars(select(counters.c.label).where(*marks)))
+    return [label for label in labels if label not in fresh]
+
+
+def begin_sweep(connection: Connection, label: str, seconds: float) -> bool:
+    """Note that this process sweeps now; False if another one has begun in these seconds."""
+    statement = insert(counters).values(name=NAME, label=label, value=database_now())
+    statement = statement.on_conflict_do_update(
+        index_elements=[counters.c.name, counters.c.label], set_={"value": database_now()}, where=_old(seconds)
+    )
+    return connection.scalar(statement.returning(counters.c.label)) is not None
+
+
+def forget_marks(connection: Connection, kept: Collection[str]) -> None:
+    """Delete the marks of machines that have gone."""
+    gone = counters.c.name == NAME, counters.c.label.not_in(kept), _old(FORGET_SECONDS)
+    connection.execute(delete(counters).where(*gone))
+
+
+def _old(seconds: float) -> ColumnElement[bool]:
+    """Whether a mark is older than this, or of a clock that was set back since."""
+    now = database_now()
+    return or_(counters.c.value < now - seconds, counters.c.value > now + seconds)

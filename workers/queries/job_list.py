@@ -24,9 +24,9 @@ from sqlalchemy import (
 
 from geoswarm.workers.errors import InvalidCursorError
 from geoswarm.workers.queries.jobs import VIEW_COLUMNS
+from geoswarm.workers.queries.listing import decode_cursor, encode_cursor
 from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.store.clock import database_now
-from geoswarm.workers.store.cursors import decode_cursor, encode_cursor
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import generations, jobs
 

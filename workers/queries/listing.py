@@ -7,16 +7,22 @@ have an index of their own; and what waits or runs is in the generation under ev
 
 from __future__ import annotations
 
+import base64
+import binascii
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from sqlalchemy import Connection, ScalarSelect, Select, select, text, tuple_
 
 from geoswarm.records.states import UNDONE_STATES
+from geoswarm.workers.errors import InvalidCursorError
+from geoswarm.workers.store.codec import pack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import evaluations, generations, jobs
 
-__all__ = ["Filters", "list_evaluations"]
+__all__ = ["Filters", "decode_cursor", "encode_cursor", "list_evaluations"]
 
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
 
@@ -79,3 +85,27 @@ def _statement(
 
 def _current(job_id: str) -> ScalarSelect[int]:
     return select(jobs.c.generation).where(jobs.c.id == job_id).scalar_subquery()
+
+
+def encode_cursor(*key: float | str) -> str:
+    """Return the cursor of a sort key."""
+    return base64.urlsafe_b64encode(pack_json(key).encode()).decode().rstrip("=")
+
+
+def decode_cursor(cursor: str, *types: type) -> Any:
+    """Return the sort key of a cursor, whose parts must be of these types.
+
+    Raises
+    ------
+    InvalidCursorError
+    """
+    try:
+        padded = cursor.encode("ascii") + b"=" * (-len(cursor) % 4)
+        key = json.loads(base64.b64decode(padded, altchars=b"-_", validate=True))
+    except (binascii.Error, ValueError):
+        raise InvalidCursorError(cursor) from None
+    if not isinstance(key, list) or [type(part) for part in key] != list(types):
+        raise InvalidCursorError(cursor)
+    if not all("\0" not in part if isinstance(part, str) else 0 <= part < 2**40 for part in key):
+        raise InvalidCursorError(cursor)
+    return tuple(key)

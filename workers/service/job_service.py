@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
-from geoswarm.records.event import Event
+from geoswarm.records.history import Event
 from geoswarm.records.job import Job
-from geoswarm.records.page import Page
+from geoswarm.records.record import Page
 from geoswarm.records.states import SERVED_STATES
 from geoswarm.records.worker import Worker
 from geoswarm.solver.calibration import choose_seed
@@ -29,7 +29,7 @@ from geoswarm.solver.runs.check import CheckReport
 from geoswarm.solver.runs.warm_start import forward_model_hash
 from geoswarm.workers.access.principal import LOCAL, Principal
 from geoswarm.workers.access.quotas import check_quotas, lock_quotas, sizes
-from geoswarm.workers.agents.needs import needs_of
+from geoswarm.workers.agents.prepared import needs_of
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import (

@@ -8,27 +8,31 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from sqlalchemy import Connection
+import numpy as np
+from sqlalchemy import Connection, select
 
 from geoswarm.records.evaluation import Attempt, Evaluation
-from geoswarm.records.event import Event
-from geoswarm.records.generation import Generation
-from geoswarm.records.page import Page
+from geoswarm.records.history import Event, Generation
 from geoswarm.records.progress import Progress
+from geoswarm.records.record import Page
 from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.search.space import diversity
+from geoswarm.solver.space import search_space
 from geoswarm.workers.errors import EvaluationNotFoundError
 from geoswarm.workers.queries import jobs
-from geoswarm.workers.queries.diversity import diversities
 from geoswarm.workers.queries.evaluations import get_evaluation, list_attempts
-from geoswarm.workers.queries.listing import Filters, list_evaluations
+from geoswarm.workers.queries.jobs import get_problem
+from geoswarm.workers.queries.listing import Filters, decode_cursor, encode_cursor, list_evaluations
 from geoswarm.workers.queries.progress import free_workers, mean_seconds, state_counts
 from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.queries.views import attempt_views, evaluation_view, event_view, generation_view
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.cursors import decode_cursor, encode_cursor
+from geoswarm.workers.store.codec import unpack_array, unpack_problem
+from geoswarm.workers.store.tables import evaluations
 
-__all__ = ["JobRecords", "clip"]
+__all__ = ["JobRecords", "clip", "diversities"]
 
 STREAM_ROWS = 1000
 LARGEST_PAGE = 10_000
@@ -233,3 +237,26 @@ class JobRecords(ABC):
             return [event_view(row) for row in rows]
 
         return self.store.read(work)
+
+
+def diversities(connection: Connection, job_id: str, first: int, last: int) -> dict[int, float]:
+    """Return the diversity of generations ``first`` to ``last`` by number.
+
+    See :mod:`geoswarm.solver.search.space`.
+    """
+    row = get_problem(connection, job_id)
+    if row is None:
+        return {}
+    space = search_space(parse_problem(unpack_problem(row.problem)))
+    statement = (
+        select(evaluations.c.generation, evaluations.c.parameters)
+        .where(evaluations.c.job_id == job_id, evaluations.c.generation.between(first, last))
+        .order_by(evaluations.c.generation, evaluations.c.particle)
+    )
+    positions: dict[int, list[bytes]] = {}
+    for evaluation in connection.execute(statement):
+        positions.setdefault(evaluation.generation, []).append(evaluation.parameters)
+    return {
+        number: diversity(space.to_unit(np.array([unpack_array(values) for values in generation])))
+        for number, generation in positions.items()
+    }

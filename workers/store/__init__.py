@@ -3,12 +3,9 @@
 ==================  ====================================================================================================
 ``clock``           the database's clock as an SQL expression: the one clock that all processes share
 ``codec``           how values are stored in the database: exact floats, no pickle, no NaN in JSON
-``cursors``         cursors: where the next page starts, as opaque text that a client returns
 ``database``        connections and transactions: SQLite and PostgreSQL behave the same behind :class:`Store`
 ``event_listener``  announces committed events immediately, if the database can; listeners may sleep in between
-``file``            the file of an SQLite database: readable by its owner only, and the same as long as it is open
-``journal``         empties SQLite's journal after jobs were deleted: it still holds the deleted pages, and keeps its
-                    size
+``file``            the file of an SQLite database, readable by its owner only; its journal, emptied after deletions
 ``migrate``         upgrades the schema at start, with any number of processes starting at once
 ``migrations``      alembic migrations of the database; applied by ``geoswarm.workers.store.migrate``
 ``outbox``          records, in the transaction that ends a job, whom to notify: once committed, no notification is lost

@@ -119,7 +119,7 @@ jobs = Table(
     Column("forward_hash", String(64)),  # of the forward model's section; null: not looked at since the last upgrade
     Column(
         "needs", Text
-    ),  # what runs it: see geoswarm.workers.agents.needs; null: not looked at since the last upgrade
+    ),  # what runs it: see geoswarm.workers.agents.prepared; null: not looked at since the last upgrade
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     # what it takes of the disk: the job itself, and each evaluation, about [bytes]
     Column("document_bytes", BigInteger, nullable=False, server_default="0"),

@@ -1,13 +1,14 @@
-"""Measured and calculated series of a job, in the units that the user gave."""
+"""Measured and calculated series of a job in the user's units, and its evaluations as a block of numbers for plots."""
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request, Response
 
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
+from geoswarm.api.points import MEDIA_TYPE, compressed, points_block
 from geoswarm.records.fit import Fit, FitDiagrams
 from geoswarm.workers.service.fit import diagrams_of, fit_of
 
@@ -41,3 +42,24 @@ def diagrams(job_id: JobId, service: Service) -> FitDiagrams:
     Empty for models without tests, and before an evaluation has succeeded.
     """
     return diagrams_of(service, job_id)
+
+
+@router.get(
+    "/points",
+    response_class=Response,
+    responses={
+        200: {"content": {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}}, "description": "The block"},
+        **problems_of(404, 422),
+    },
+)
+def points(
+    job_id: JobId,
+    service: Service,
+    request: Request,
+    responses: Annotated[bool, Query(description="with the calculated values at the observed points")] = False,
+) -> Response:
+    """Give the successful evaluations as one block of float32, a selection of long histories; see docs/http-api.md."""
+    job = service.statistics.stored(job_id)
+    block = points_block(job.problem, job.samples, responses=responses)
+    body, headers = compressed(block, request.headers.get("accept-encoding", ""))
+    return Response(body, media_type=MEDIA_TYPE, headers=headers)

@@ -4,12 +4,10 @@
 ``check``       ``geoswarm check``: validate a problem, run it once and estimate its cost
 ``estimate``    ``geoswarm estimate``: first estimates from the readings with a ruler, and from index properties
 ``evaluate``    ``geoswarm evaluate``: one forward calculation with given parameters
-``figures``     whether reports and figures can be made here
 ``findings``    ``geoswarm posterior``, and how findings about uncertainty are shown
 ``follow_ups``  ``geoswarm sensitivity``, ``profile``, ``explore``, ``influence``: further evaluations that tell how
                 sure it is
 ``outlook``     ``geoswarm predict`` and ``design``: what comes next, with the uncertainty of what was identified
-``proposals``   proposals of ``geoswarm statistics`` by the key that ``--accept`` takes, each key one proposal
 ``reports``     ``geoswarm report``: the report of a job or of a run in a folder
 ``reweight``    ``geoswarm reweight``: stored evaluations under other weights
 ``run``         ``geoswarm run``: a calibration in this process, with figures and tables

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING
 import click
 
 from geoswarm.cli.options import accept_option, accepting, json_option, problem_argument
-from geoswarm.cli.words.error_messages import FailedRunError
+from geoswarm.cli.words.error_messages import FailedRunError, facts_of_run, warn_of_many_points
 from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number
-from geoswarm.cli.words.programs import facts_of_run
-from geoswarm.cli.words.warnings import warn_of_many_points
 from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:

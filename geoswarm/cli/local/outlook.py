@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from geoswarm.cli.local.figures import figures_missing
+from geoswarm.cli.local.reports import figures_missing
 from geoswarm.cli.local.running import run_here, wait_for
 from geoswarm.cli.local.source import as_folder, known_noise, noise_option
 from geoswarm.cli.options import connection_options, json_option
@@ -201,9 +201,9 @@ def _predict_here(
 ) -> dict[str, Any]:
     from geoswarm.solver.calibration import Calibration
     from geoswarm.solver.identifiability.stored.posterior import sample_posterior
+    from geoswarm.solver.report.figures.figure_set import slug
     from geoswarm.solver.report.jsonable import jsonable
     from geoswarm.solver.report.questions import prediction_question
-    from geoswarm.solver.report.slug import slug
 
     noise = options["noise"]
     report = _examined(folder, workers, noise)

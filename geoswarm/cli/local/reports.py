@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.local.figures import figures_missing
 from geoswarm.cli.local.source import as_folder, known_noise, noise_option, threshold_check
 from geoswarm.cli.options import connection_options
 from geoswarm.cli.service.connection import SLOW_ANSWER, connect, find_calibration
@@ -17,7 +16,7 @@ from geoswarm.cli.words.output import note
 if TYPE_CHECKING:
     from geoswarm.client import Client
 
-__all__ = ["report_command"]
+__all__ = ["figures_missing", "report_command"]
 
 
 @click.command("report")
@@ -111,3 +110,13 @@ def _of_job(
     for file_name, content in contents.items():
         (target / file_name).write_bytes(content)
     return [target / file_name for file_name in contents]
+
+
+_PACKAGES = ("matplotlib", "jinja2", "reportlab")
+
+
+def figures_missing(what: str) -> str | None:
+    """Say which extra ``what`` needs for reports and figures; None when they can be made."""
+    from geoswarm.solver.system.extras import has, needs_extra
+
+    return next((needs_extra(what, package) for package in _PACKAGES if not has(package)), None)

@@ -11,15 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.local.figures import figures_missing
+from geoswarm.cli.local.reports import figures_missing
 from geoswarm.cli.local.run_folder import kept, open_folder, show_finished, write_output
 from geoswarm.cli.options import accept_option, accepting, json_option, problem_argument
 from geoswarm.cli.service.progress import progress_bar
-from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
+from geoswarm.cli.words.error_messages import BadInputError, FailedRunError, warn_of_many_points
 from geoswarm.cli.words.kernels import ready
 from geoswarm.cli.words.output import duration, echo_facts, echo_json, echo_table, note, number, reasons_in_words
 from geoswarm.cli.words.result import show_fit, show_values
-from geoswarm.cli.words.warnings import warn_of_many_points
 from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:

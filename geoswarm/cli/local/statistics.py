@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -10,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.local.proposals import proposals_by_key
 from geoswarm.cli.local.source import as_folder, known_noise, noise_option, threshold_check
 from geoswarm.cli.options import connection_options, json_option
 from geoswarm.cli.service.connection import connect, find_calibration
@@ -22,7 +22,7 @@ from geoswarm.solver.words import per_cent
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
 
-__all__ = ["statistics_command"]
+__all__ = ["proposals_by_key", "statistics_command"]
 
 
 @click.command("statistics")
@@ -167,3 +167,22 @@ def _write_problem(problem: Problem, output: Path | None) -> None:
     output.write_text(text, encoding="utf-8")
     free = ", ".join(problem.free_names)
     note(f"Written to {output}: free are {free}. Next: geoswarm run {output}, or geoswarm submit {output}")
+
+
+_KINDS = ("fix", "link", "widen")
+
+
+def proposals_by_key(found: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the proposals that can be accepted, by ``KIND:NAME``, strongest first.
+
+    Several of one kind about one parameter have the partner behind it: ``link:POP:OCR``.
+    """
+    proposals = [p for verdict in found["verdicts"] for p in verdict["proposals"] if p["kind"] in _KINDS]
+    alike = Counter((p["kind"], p["parameter"]) for p in proposals)
+    keyed: dict[str, dict[str, Any]] = {}
+    for p in proposals:
+        key = f"{p['kind']}:{p['parameter']}"
+        if alike[p["kind"], p["parameter"]] > 1 and p["line"] is not None:
+            key = f"{key}:{p['line']['partner']}"
+        keyed[key] = p
+    return keyed

@@ -9,9 +9,8 @@ import click
 
 from geoswarm.cli.local.evaluate import given_values, parameter_values
 from geoswarm.cli.options import json_option, problem_argument, values_option
-from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
+from geoswarm.cli.words.error_messages import BadInputError, FailedRunError, facts_of_run
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, number
-from geoswarm.cli.words.programs import facts_of_run
 
 if TYPE_CHECKING:
     from geoswarm.solver.external.trial import SeriesTrial, TrialRun

@@ -14,7 +14,7 @@ from geoswarm.cli.words.spans import SPAN
 if TYPE_CHECKING:
     from datetime import datetime
 
-    from geoswarm.records.key import Role
+    from geoswarm.records.account import Role
 
 __all__ = ["keys_command"]
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.local.figures import figures_missing
+from geoswarm.cli.local.reports import figures_missing
 from geoswarm.cli.options import json_option
 from geoswarm.cli.start.examples import example_problem
 from geoswarm.cli.words.error_messages import BadInputError

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from geoswarm.cli.local.figures import figures_missing
+from geoswarm.cli.local.reports import figures_missing
 from geoswarm.cli.options import json_option
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
 from geoswarm.cli.words.kernels import all_ready

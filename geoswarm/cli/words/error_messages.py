@@ -10,6 +10,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from geoswarm.solver.external.trial import TrialRun
+
+from typing import TYPE_CHECKING
+
+from geoswarm.cli.words.output import note
+
+if TYPE_CHECKING:
+    from geoswarm.solver.problem import Problem
+
 import errno
 import os
 import secrets
@@ -24,13 +36,15 @@ from geoswarm.solver.words import visible
 
 __all__ = [
     "BAD_INPUT",
-    "FAILED_RUN",
-    "INTERRUPTED",
     "BadInputError",
-    "CommandError",
-    "FailedRunError",
     "CommandContext",
+    "CommandError",
+    "FAILED_RUN",
+    "FailedRunError",
+    "INTERRUPTED",
+    "facts_of_run",
     "report",
+    "warn_of_many_points",
 ]
 
 FAILED_RUN, BAD_INPUT, INTERRUPTED = 1, 2, 130
@@ -151,3 +165,33 @@ def _leave_quietly() -> int:
     """The reader of our output has gone (``geoswarm list | head``): say nothing, also not at interpreter exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return FAILED_RUN
+
+
+def warn_of_many_points(problem: Problem) -> None:
+    """Warn of series with so many points that they only cost time."""
+    from geoswarm.solver.problem.readings.preparation import many_points_warning
+
+    for observation in problem.observations:
+        message = many_points_warning(observation.series, len(observation.x))
+        if message is not None:
+            note(f"Warning: {message}")
+
+
+_FILES = 10
+
+
+def facts_of_run(run: TrialRun) -> dict[str, str]:
+    """What happened, in a few lines."""
+    return {
+        "call": " ".join(run.call),
+        "run folder": str(run.folder),
+        "written": _listed(run.written),
+        "made by it": _listed(run.made),
+        "ended": run.ended or "was not started",
+    }
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    """Names of files, the first ones of many."""
+    more = f" and {len(names) - _FILES} more" if len(names) > _FILES else ""
+    return (", ".join(names[:_FILES]) or "nothing") + more

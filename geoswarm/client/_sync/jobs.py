@@ -23,7 +23,7 @@ from geoswarm.client.calls import (
     reader,
 )
 from geoswarm.records.job import Job, Retry
-from geoswarm.records.page import Page
+from geoswarm.records.record import Page
 
 __all__ = [
     "cancel",

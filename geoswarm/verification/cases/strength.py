@@ -14,7 +14,7 @@ from geoswarm.solver.element_test.setups import drained_triaxial
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.registry import find_law
 from geoswarm.verification.case import Answer, Case, Curve, Plot, case, check
-from geoswarm.verification.exact.strength import davis, plane_sine, triaxial_axial
+from geoswarm.verification.exact.hypoplasticity import davis, plane_sine, triaxial_axial
 from geoswarm.verification.specimens.laboratory import run, simple_shear
 
 __all__ = ["CASES"]

@@ -34,7 +34,7 @@ from __future__ import annotations
 import math
 from typing import Literal, NamedTuple, TypeAlias
 
-from geoswarm.solver.constitutive.logarithmic import log_ratio
+from geoswarm.solver.constitutive.cam_clay import log_ratio
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.kernels.jit import kernel, kernel_in_place
 

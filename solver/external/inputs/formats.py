@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from geoswarm.solver.external.errors import InputError
-from geoswarm.solver.external.inputs.numbers import number_text
+from geoswarm.solver.external.inputs.texts import number_text
 
 __all__ = ["ACCEPTED", "NumberFormat", "parse_format"]
 

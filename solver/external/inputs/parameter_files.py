@@ -9,7 +9,7 @@ import re
 from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
-from geoswarm.solver.external.inputs.numbers import checked, number_text
+from geoswarm.solver.external.inputs.texts import checked, number_text
 
 __all__ = ["ParameterFileKind", "parameter_text"]
 

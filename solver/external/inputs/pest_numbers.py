@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Literal, TypeAlias
 
 from geoswarm.solver.external.errors import InputError
-from geoswarm.solver.external.inputs.numbers import number_text
+from geoswarm.solver.external.inputs.texts import number_text
 
 __all__ = ["Precision", "number_in_space"]
 

@@ -17,8 +17,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from geoswarm.solver.external.errors import InputError, TemplateError, place
-from geoswarm.solver.external.inputs.numbers import checked
 from geoswarm.solver.external.inputs.pest_numbers import Precision, number_in_space
+from geoswarm.solver.external.inputs.texts import checked
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["PestTemplate", "Space", "parse_pest_template"]

@@ -28,7 +28,7 @@ from geoswarm.solver.errors import ExpressionError
 from geoswarm.solver.expressions import MAX_LENGTH, Expression, parse_expression
 from geoswarm.solver.external.errors import InputError, TemplateError, place
 from geoswarm.solver.external.inputs.formats import NumberFormat, parse_format
-from geoswarm.solver.external.inputs.numbers import checked, number_text
+from geoswarm.solver.external.inputs.texts import checked, number_text
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["SLOT", "Placeholder", "Template", "parse_template"]

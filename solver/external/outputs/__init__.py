@@ -12,8 +12,7 @@
 ``lines``         files of text, line by line: a file of any size is never held as a whole
 ``numbers``       numbers as programs write them, those of Fortran included
 ``numpy_reader``  series from files of NumPy: ``.npy`` with columns, ``.npz`` with named arrays
-``paths``         names of files below the folder of a run
-``patterns``      regular expressions that users write
+``fields``        file names and regular expressions that users write
 ``search``        series from lines that match a regular expression
 ================  ============================================================================================
 """

@@ -14,7 +14,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.external.errors import OutputError, place
-from geoswarm.solver.external.outputs.paths import RelativePath
+from geoswarm.solver.external.outputs.fields import RelativePath
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["FROM_LIST", "OutputReader", "Point", "ScaledReader"]

@@ -20,8 +20,8 @@ from pydantic import Field, field_validator
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.external.errors import OutputError
 from geoswarm.solver.external.outputs.base import Point, ScaledReader
+from geoswarm.solver.external.outputs.fields import below
 from geoswarm.solver.external.outputs.lines import opened
-from geoswarm.solver.external.outputs.paths import below
 from geoswarm.solver.system.extras import has, needs_extra
 from geoswarm.solver.words import did_you_mean
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import BinaryIO, Literal, TypeAlias
 
 from geoswarm.solver.external.errors import OutputError, place
-from geoswarm.solver.external.outputs.paths import below
+from geoswarm.solver.external.outputs.fields import below
 
 __all__ = ["LONGEST_LINE", "Encoding", "decoded", "lines_of", "opened"]
 

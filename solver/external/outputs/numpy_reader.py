@@ -21,8 +21,8 @@ from pydantic import Field
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.external.errors import OutputError
 from geoswarm.solver.external.outputs.base import OutputReader, Point
+from geoswarm.solver.external.outputs.fields import below
 from geoswarm.solver.external.outputs.lines import opened
-from geoswarm.solver.external.outputs.paths import below
 from geoswarm.solver.external.outputs.tables.quantities import ColumnName, Quantity, column_number, column_of
 
 __all__ = ["NumpyReader"]

@@ -16,9 +16,9 @@ from pydantic import Field, model_validator
 
 from geoswarm.solver.external.errors import OutputError, place
 from geoswarm.solver.external.outputs.base import FROM_LIST, Point, ScaledReader
+from geoswarm.solver.external.outputs.fields import LONGEST_MATCHED, compiled
 from geoswarm.solver.external.outputs.lines import Encoding, lines_of
 from geoswarm.solver.external.outputs.numbers import number_of, reason_of
-from geoswarm.solver.external.outputs.patterns import LONGEST_MATCHED, compiled
 from geoswarm.solver.words import did_you_mean, visible
 
 __all__ = ["SearchReader"]

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from geoswarm.solver.external.errors import TemplateError
-from geoswarm.solver.external.inputs.files import read_template_file
 from geoswarm.solver.external.inputs.pest_template import parse_pest_template
-from geoswarm.solver.external.outputs.paths import relative_path
+from geoswarm.solver.external.inputs.texts import read_template_file
+from geoswarm.solver.external.outputs.fields import relative_path
 from geoswarm.solver.external.outputs.pest.instructions import parse_instructions
 from geoswarm.solver.external.pest_control.case import PestCase, PestControlError
 

@@ -12,6 +12,7 @@ import importlib.abc
 import importlib.util
 import sys
 import threading
+import uuid
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -22,7 +23,15 @@ from typing import Any
 from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.external.python.failures import failure_of
 
-__all__ = ["NOT_IMPORTED", "file_being_imported", "fingerprint", "folder_importable", "load_function"]
+__all__ = [
+    "NOT_IMPORTED",
+    "file_being_imported",
+    "fingerprint",
+    "folder_importable",
+    "function_of_session",
+    "keep_function",
+    "load_function",
+]
 
 NOT_IMPORTED = "cannot be imported"
 """In the message of every evaluation that failed for that."""
@@ -192,3 +201,34 @@ def _refuse_other_siblings(source: bytes, path: Path) -> None:
 
 def _same(first: Path, second: Path) -> bool:
     return first.resolve() == second.resolve()
+
+
+_functions: dict[str, Callable[..., Any]] = {}
+
+
+def keep_function(function: Callable[..., Any]) -> str:
+    """Keep a function; return the word by which problems of this process find it again."""
+    for word, known in _functions.items():
+        if known is function:
+            return word
+    word = uuid.uuid4().hex
+    _functions[word] = function
+    return word
+
+
+def function_of_session(word: str, name: str) -> Callable[..., Any]:
+    """Return a function that was kept.
+
+    Raises
+    ------
+    RunFailedError
+        It was one of another process, or of an earlier one.
+    """
+    try:
+        return _functions[word]
+    except KeyError:
+        raise RunFailedError(
+            "bad_output",
+            f"{name} was a function of a Python session that has ended; write it into a file (kind: python, file: "
+            "model.py) to run it again",
+        ) from None

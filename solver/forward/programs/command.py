@@ -22,9 +22,9 @@ from pydantic.json_schema import SkipJsonSchema
 
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.errors import TemplateError
-from geoswarm.solver.external.inputs.files import read_template_file
 from geoswarm.solver.external.inputs.parameter_files import ParameterFileKind
-from geoswarm.solver.external.outputs.paths import RelativePath
+from geoswarm.solver.external.inputs.texts import read_template_file
+from geoswarm.solver.external.outputs.fields import RelativePath
 from geoswarm.solver.external.outputs.series import SeriesReader
 from geoswarm.solver.external.runs.fingerprints import fingerprint
 from geoswarm.solver.external.runs.folder import Keep

@@ -14,8 +14,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.external.python.answers import Wanted, responses_of
 from geoswarm.solver.external.python.failures import failure_of
-from geoswarm.solver.external.python.loading import folder_importable, load_function
-from geoswarm.solver.external.python.session import function_of_session
+from geoswarm.solver.external.python.loading import folder_importable, function_of_session, load_function
 from geoswarm.solver.external.python.signature import POINTS, Signature
 from geoswarm.solver.forward.base import ForwardRun, ParameterInfo
 from geoswarm.solver.forward.programs.foreign import ForeignModel, series_in_base_units

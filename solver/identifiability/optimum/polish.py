@@ -14,7 +14,7 @@ from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.descent.refinement import Refinement
-from geoswarm.solver.search.one_thread import one_thread
+from geoswarm.solver.search.determinism import one_thread
 
 __all__ = ["Polished", "polish"]
 

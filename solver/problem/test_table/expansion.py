@@ -171,8 +171,8 @@ def _loaded(row: Row, curves: list[Curve]) -> dict[str, Any]:
 
 def _missing(row: Row, part: dict[str, Any], declared: frozenset[str]) -> Issue | None:
     """What the law needs to know of the test and the row does not say."""
-    from geoswarm.solver.forward.one_material import OneMaterialSpec
-    from geoswarm.solver.laws.initial_voids import voids_column  # with Numba, which other problems need not load
+    from geoswarm.solver.forward.fields import OneMaterialSpec
+    from geoswarm.solver.laws.initial_state import voids_column  # with Numba, which other problems need not load
 
     try:
         spec = parse_spec(part)

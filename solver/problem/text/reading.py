@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -12,10 +13,9 @@ import numpy as np
 
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import join_path
-from geoswarm.solver.problem.text.depth import MAX_DEPTH, too_deep
-from geoswarm.solver.problem.text.json_places import duplicate_place
+from geoswarm.solver.problem.text.yaml_nodes import MAX_DEPTH, too_deep
 
-__all__ = ["MAX_BYTES", "Form", "plain_document", "read_document", "read_problem_file"]
+__all__ = ["Form", "MAX_BYTES", "duplicate_place", "plain_document", "read_document", "read_problem_file"]
 
 _MAX_VALUES = 4_000_000
 _MAX_KEYS = 10_000
@@ -233,3 +233,34 @@ def _error(message: str) -> ProblemError:
 
 def _too_large(most: int) -> ProblemError:
     return _error(f"problem is larger than {most} bytes; put long series into CSV files (file: ...), or write JSON")
+
+
+# A string that does not end reaches to the end of the text, so that each character is looked at once.
+_PIECE = re.compile(r'"(?:[^"\\]|\\.)*+"?|[{}\[\]:,]', re.DOTALL)
+
+
+def duplicate_place(text: str) -> str:
+    """Return `` in line L, column C`` of the first key that its mapping has already; empty where there is none.
+
+    Parameters
+    ----------
+    text
+        JSON, valid up to that place.
+    """
+    open_ones: list[set[str] | None] = []  # keys of the mappings around a place, None for lists
+    for piece, following in pairwise(chain(_PIECE.finditer(text), [None])):
+        assert piece is not None  # only the last one is
+        sign = piece.group()
+        if sign in "{[":
+            open_ones.append(set() if sign == "{" else None)
+        elif sign in "}]":
+            open_ones.pop()
+        elif sign[0] == '"' and following is not None and following.group() == ":" and open_ones:
+            keys = open_ones[-1]
+            key = json.loads(sign, strict=False)
+            if keys is not None and key in keys:
+                line = text.count("\n", 0, piece.start()) + 1
+                return f" in line {line}, column {piece.start() - text.rfind(chr(10), 0, piece.start())}"
+            if keys is not None:
+                keys.add(key)
+    return ""

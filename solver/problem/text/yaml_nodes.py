@@ -13,9 +13,8 @@ from ruamel.yaml.nodes import MappingNode, SequenceNode
 from ruamel.yaml.scanner import Scanner
 
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.problem.text.depth import MAX_DEPTH, too_deep
 
-__all__ = ["MAX_REPEATED", "reader"]
+__all__ = ["MAX_DEPTH", "MAX_REPEATED", "reader", "too_deep"]
 
 MAX_REPEATED = 100_000
 """Keys and values that the aliases and merge keys of a text may repeat."""
@@ -70,3 +69,12 @@ def _refuse_repetition(root: Any) -> None:
     if size(root) - len(sizes) > MAX_REPEATED:
         message = f"aliases and merge keys (*name, <<) repeat more than {MAX_REPEATED} values, the maximum"
         raise ProblemError([Issue("", f"{message}")])
+
+
+MAX_DEPTH = 30
+"""Levels of nesting that a problem may have."""
+
+
+def too_deep(path: str) -> ProblemError:
+    """Return the error for a value at a path that is nested too deeply."""
+    return ProblemError([Issue(path[:100], f"nested more than {MAX_DEPTH} levels deep")])

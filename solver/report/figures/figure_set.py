@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -56,14 +57,13 @@ from geoswarm.solver.report.figures.uncertainty_plots import (
 )
 from geoswarm.solver.report.overlays import Overlay, overlays
 from geoswarm.solver.report.record import RunRecord
-from geoswarm.solver.report.slug import slug
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.sketches.drawing import DrawnSketch
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["FigureSet"]
+__all__ = ["FigureSet", "slug"]
 
 _MANY_TESTS = 4
 """Tests in one diagram from which on a report has no figure for each of them."""
@@ -392,3 +392,15 @@ def _trace_rows(samples: Samples) -> Rows:
     header = ["generation", "particle", "objective", *(f"parameter.{name}" for name in samples.names)]
     columns = (samples.generations.tolist(), samples.particles.tolist(), samples.objectives.tolist())
     return header, [[*place, *x] for *place, x in zip(*columns, samples.parameters.tolist(), strict=True)]
+
+
+_LONGEST = 100
+
+
+def slug(name: str) -> str:
+    """Return the letters, digits and signs of a name that every file system takes.
+
+    >>> slug("later stage, 40 mm")
+    'later-stage-40-mm'
+    """
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", name)[:_LONGEST].strip("-") or "unnamed"

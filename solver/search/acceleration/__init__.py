@@ -12,8 +12,7 @@
 ``knowledge``         what the strategies learn from
 ``candidates``        what each of them finds: a point that is worth a run
 ``proposer``          which particles are aimed where
-``polishing``         the end of a polished search that knows objectives alone: when nothing is left to gain
-``proposer_state``    what a proposer remembers between generations
+``proposer_state``    what a proposer remembers between generations, and when nothing is left to gain
 ====================  ======================================================================================
 """
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.bounded import bounded_least_squares
-from geoswarm.solver.search.one_thread import one_thread
+from geoswarm.solver.search.determinism import one_thread
 
 __all__ = ["gauss_newton_point", "neighbour_distance", "quadratic_point"]
 

@@ -19,8 +19,7 @@ from geoswarm.solver.search.acceleration.candidates import Strategies
 from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.descending import base_of_simplex, next_of_descent, simplex
 from geoswarm.solver.search.acceleration.knowledge import Knowledge, selection
-from geoswarm.solver.search.acceleration.polishing import Polishing
-from geoswarm.solver.search.acceleration.proposer_state import MOST_SHARE, Later, ProposerState
+from geoswarm.solver.search.acceleration.proposer_state import MOST_SHARE, Later, Polishing, ProposerState
 from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.acceleration.strategies import (
     BEGIN_PATTERN,
@@ -40,8 +39,7 @@ from geoswarm.solver.search.acceleration.strategies import (
     polish_pattern,
 )
 from geoswarm.solver.search.acceleration.trust_region import TrustRegion
-from geoswarm.solver.search.one_thread import one_thread
-from geoswarm.solver.search.randomness import proposer_generator
+from geoswarm.solver.search.determinism import one_thread, proposer_generator
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Proposer", "ProposerState"]

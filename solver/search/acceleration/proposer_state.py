@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from geoswarm.solver.search.acceleration.basins import Basins
-from geoswarm.solver.search.acceleration.polishing import Polishing
 from geoswarm.solver.search.acceleration.trust_region import TrustRegion
 
-__all__ = ["MOST_SHARE", "Later", "ProposerState"]
+__all__ = ["Later", "MOST_SHARE", "Polishing", "ProposerState"]
 
 MOST_SHARE = 0.9
 
@@ -93,3 +92,31 @@ class ProposerState:
             data.get("unseen", 0),
             None if later is None else Later.from_json(later),
         )
+
+
+_WORTH = 1e-3  # a relative decrease of the objective that counts
+_PATIENCE = 2
+_LONGEST = 10  # generations
+
+
+@dataclass(frozen=True, slots=True)
+class Polishing:
+    """``best`` objective so far, ``generations`` polished, and how many of them gained nothing in a row."""
+
+    best: float
+    generations: int = 0
+    waiting: int = 0
+
+    @property
+    def done(self) -> bool:
+        """Whether the last generations gained nothing, or it went on for long enough."""
+        return self.waiting >= _PATIENCE or self.generations >= _LONGEST
+
+    def after(self, best: float) -> Polishing:
+        """Return the state after a generation."""
+        gained = best < self.best * (1.0 - _WORTH)
+        return Polishing(min(best, self.best), self.generations + 1, 0 if gained else self.waiting + 1)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return a JSON-able form."""
+        return {"best": self.best, "generations": self.generations, "waiting": self.waiting}

@@ -1,18 +1,16 @@
 """The way down to a minimum, and the points that its surroundings are told by.
 
 =================  =====================================================================================================
-``descent``        Levenberg-Marquardt, one generation an iteration
+``descent``        Levenberg-Marquardt, one generation an iteration; its damped step
 ``differences``    where to evaluate for derivatives
 ``planned``        sensitivities, profiles and designs of global sensitivity
 ``profile_paths``  one side of a profile
 ``ending``         the end of a polished search: from the best run down to a minimum, and from other basins where that
                    one is in doubt
 ``exploring``      ask / tell of an exploration: given points in one generation, then descents from the best of them
-``given``          ask / tell of points that are all given beforehand
 ``interval_ends``  places at the ends of linearised intervals, where one run each shows whether the forward model is
                    nonlinear
 ``leaving_out``    ask / tell of the fits without each of several tests, all from the same runs
-``marquardt``      the damped step of Levenberg and Marquardt, which descents and profiles share
 ``minimum``        ask / tell of the runs after a search: sensitivities at its best point, steps to the minimum, ends of
                    intervals
 ``projection``     variable projection: parameters in which residuals are linear take the values that fit best (Golub

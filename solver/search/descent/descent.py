@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.descent.marquardt import marquardt_step
 from geoswarm.solver.search.space import SearchSpace
 
-__all__ = ["Descent"]
+__all__ = ["Descent", "marquardt_step"]
 
 _DIFFERENCE = 1e-4  # in parts of the range
 _MOST_ITERATIONS = 40
@@ -136,3 +135,18 @@ _ARRAYS = ("trial", "current", "gradient", "curvature")
 
 def _listed(array: FloatArray | None) -> Any:
     return None if array is None else array.tolist()
+
+
+def marquardt_step(curvature: FloatArray, gradient: FloatArray, damping: float) -> FloatArray:
+    """Return the step (d,) that solves (J'J + damping diag(J'J)) step = -J'r (Marquardt 1963).
+
+    Parameters
+    ----------
+    curvature, gradient
+        J'J, shape (d, d), and J'r, shape (d,). A parameter without influence is damped as if its diagonal were 1.
+    damping
+        0 is the step of Gauss and Newton.
+    """
+    diagonal = np.diag(curvature)
+    system = curvature + damping * np.diag(np.where(diagonal > 0.0, diagonal, 1.0))
+    return np.asarray(-np.linalg.solve(system, gradient), dtype=np.float64)

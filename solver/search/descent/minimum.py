@@ -21,7 +21,7 @@ from geoswarm.solver.search.bounded import bounded_least_squares
 from geoswarm.solver.search.descent.interval_ends import IntervalEnds, plan_from_residuals
 from geoswarm.solver.search.descent.projection import admissible
 from geoswarm.solver.search.descent.steps import Moves, StepSearch
-from geoswarm.solver.search.one_thread import one_thread
+from geoswarm.solver.search.determinism import one_thread
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["LOST_IN_NOISE", "MinimumSearch", "Walk"]

@@ -17,7 +17,7 @@ from geoswarm.solver.search.descent.differences import DifferenceDesign, plan_di
 from geoswarm.solver.search.descent.interval_ends import IntervalEnds, plan_from_residuals
 from geoswarm.solver.search.descent.profile_paths import ProfilePath
 from geoswarm.solver.search.descent.steps import FIRST_STEP, Moves, StepSearch
-from geoswarm.solver.search.one_thread import one_thread
+from geoswarm.solver.search.determinism import one_thread
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = [

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.descent.marquardt import marquardt_step
+from geoswarm.solver.search.descent.descent import marquardt_step
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["ProfilePath", "ProfilePoint"]

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from geoswarm.api.compute.fair_queue import BusyError, FairQueue
-from geoswarm.api.compute.requests import is_compute
+from geoswarm.api.compute.middleware import is_compute
 
 
 def run(work: Coroutine[Any, Any, None]) -> None:

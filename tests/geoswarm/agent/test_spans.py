@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from geoswarm.agent.backoff import LONGEST_SECONDS, Backoff
+from geoswarm.agent.server import LONGEST_SECONDS, Backoff
 from geoswarm.agent.spans import seconds_until
 
 NOON = datetime(2026, 5, 1, 12, 0, tzinfo=UTC)

@@ -7,8 +7,7 @@ from typing import Any, cast
 
 import pytest
 
-from geoswarm.cli.local.proposals import proposals_by_key
-from geoswarm.cli.local.statistics import _follow_up
+from geoswarm.cli.local.statistics import _follow_up, proposals_by_key
 from geoswarm.cli.service.connection import find_calibration, find_job
 from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.client import Client, NotFoundError

@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from geoswarm.solver.classical.compression import compression_index, first_loading, swelling_index, virgin_line
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 from geoswarm.solver.classical.preconsolidation import casagrande, log_log
 from tests.solver.ags.synthetic import CC, CS, STRESSES, void_ratio
 

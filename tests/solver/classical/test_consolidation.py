@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.classical.consolidation import log_time, root_time
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 from geoswarm.verification.exact.consolidation import degree as terzaghi
 
 C_V, PATH = 2.0e-3, 0.01  # m²/day, m: t_90 is 61 minutes

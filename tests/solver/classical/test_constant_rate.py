@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.classical.constant_rate import constant_rate
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 
 C_V, HEIGHT, RATE = 1.0e-3, 0.02, 400.0  # m²/day, m, kPa/day
 STIFFNESS = 5.0e6  # kPa: no change of the height to speak of

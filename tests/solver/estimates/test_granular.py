@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 from geoswarm.solver.estimates.classical import classical_evaluation, classical_values
 from geoswarm.solver.estimates.granular import alpha_at_peak, bauer_fit, stiffness_exponent
 from geoswarm.solver.estimates.proposal import candidates_of, proposed

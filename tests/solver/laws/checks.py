@@ -23,7 +23,7 @@ from geoswarm.solver.fem.materials import Material
 from geoswarm.solver.fem.phases import Control, Fixity, Phase, Traction
 from geoswarm.solver.fem.solve import solve_phases
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.laws.initial_voids import voids_column
+from geoswarm.solver.laws.initial_state import voids_column
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.verification.specimens.bodies import block

@@ -13,8 +13,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.external.runs import fingerprints
 from geoswarm.solver.forward.registry import parse_spec
-from geoswarm.solver.registered.shown import without_paths
-from geoswarm.solver.registered.spec import RegisteredSpec
+from geoswarm.solver.registered.spec import RegisteredSpec, without_paths
 from tests.solver.external.zoo import register, zoo_problem
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.report.curves import MOST_SHOWN, shown
 from geoswarm.solver.report.document.build import report_of_result
-from geoswarm.solver.report.thinning import MOST_SHOWN, shown
 from geoswarm.solver.runs.local import calibrate
 from tests.solver.problems import decay_document
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search import ParticleSwarm, SearchSpace, SwarmSettings
-from geoswarm.solver.search.randomness import particle_generator
+from geoswarm.solver.search.determinism import particle_generator
 from tests.solver.search.spaces import box, oedometer_space
 
 FORMS = [

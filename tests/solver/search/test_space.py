@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.search import SearchSpace
-from geoswarm.solver.search.randomness import particle_generator
+from geoswarm.solver.search.determinism import particle_generator
 from tests.solver.search.spaces import box, oedometer_space
 
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.external.errors import OutputError
+from geoswarm.solver.external.outputs.fields import below, relative_path
 from geoswarm.solver.external.outputs.lines import opened
-from geoswarm.solver.external.outputs.paths import below, relative_path
 from geoswarm.solver.system.extras import has, needs_extra
 
 __all__ = ["Piece", "Snapshot", "needed_package", "snapshots"]

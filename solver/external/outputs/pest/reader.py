@@ -14,10 +14,10 @@ from typing import ClassVar, Literal
 from pydantic import Field, field_validator, model_validator
 
 from geoswarm.solver.external.errors import OutputError, TemplateError
-from geoswarm.solver.external.inputs.files import read_template_file
+from geoswarm.solver.external.inputs.texts import read_template_file
 from geoswarm.solver.external.outputs.base import Point, ScaledReader
+from geoswarm.solver.external.outputs.fields import below, relative_path
 from geoswarm.solver.external.outputs.lines import Encoding, lines_of
-from geoswarm.solver.external.outputs.paths import below, relative_path
 from geoswarm.solver.external.outputs.pest.follow import follow
 from geoswarm.solver.external.outputs.pest.instructions import Instructions, parse_instructions
 from geoswarm.solver.words import did_you_mean

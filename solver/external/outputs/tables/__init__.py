@@ -4,7 +4,6 @@
 ``reader``      the section
 ``rows``        points from the rows of one table
 ``blocks``      points from tables that a listing repeats
-``cells``       the cells of a line
 ``quantities``  x and y as columns, or expressions of columns
 ==============  ================================================
 """

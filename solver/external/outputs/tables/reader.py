@@ -18,12 +18,11 @@ from pydantic import Field, field_validator, model_validator
 from geoswarm.solver.errors import ExpressionError
 from geoswarm.solver.expressions import parse_expression
 from geoswarm.solver.external.outputs.base import FROM_LIST, OutputReader, Point
+from geoswarm.solver.external.outputs.fields import LONGEST_MATCHED, compiled
 from geoswarm.solver.external.outputs.lines import LONGEST_LINE, Encoding, lines_of
-from geoswarm.solver.external.outputs.patterns import LONGEST_MATCHED, compiled
 from geoswarm.solver.external.outputs.tables.blocks import block_points
-from geoswarm.solver.external.outputs.tables.cells import Separator
 from geoswarm.solver.external.outputs.tables.quantities import ColumnName, column_of
-from geoswarm.solver.external.outputs.tables.rows import TableShape, table_points
+from geoswarm.solver.external.outputs.tables.rows import Separator, TableShape, table_points
 
 __all__ = ["TableReader"]
 

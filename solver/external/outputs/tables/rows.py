@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 from geoswarm.solver.expressions import Expression, parse_expression
 from geoswarm.solver.external.errors import OutputError, OutputReason, place
 from geoswarm.solver.external.outputs.base import Point
 from geoswarm.solver.external.outputs.numbers import looks_like_number, number_of, reason_of
-from geoswarm.solver.external.outputs.tables.cells import Separator, cell_splitter, guessed_separator
 from geoswarm.solver.external.outputs.tables.quantities import Quantity, bound, column_number, column_of
 from geoswarm.solver.words import visible
 
-__all__ = ["Chosen", "TableShape", "has_number", "split_row", "table_points"]
+__all__ = [
+    "Chosen",
+    "Separator",
+    "TableShape",
+    "cell_splitter",
+    "guessed_separator",
+    "has_number",
+    "split_row",
+    "table_points",
+]
 
 _MOST_COMMENTS = 20
 
@@ -218,3 +228,44 @@ def _resplit(text: str, count: int, decimal: str) -> list[str] | None:
     """Split headings that have another separator than the rows below."""
     cells = cell_splitter(guessed_separator(text, decimal), None)(text)
     return cells if len(cells) == count else None
+
+
+Separator: TypeAlias = Literal["auto", ",", ";", "tab", "blanks"]
+"""What stands between cells; ``auto`` decides by the first row of numbers."""
+
+_SIGNS = {",": ",", ";": ";", "tab": "\t"}
+
+
+def guessed_separator(line: str, decimal: str) -> Separator:
+    """Return the separator that a line seems to have: semicolon, tab, comma, else blanks."""
+    if ";" in line:
+        return ";"
+    if "\t" in line.strip():
+        return "tab"
+    return "," if "," in line and decimal != "," else "blanks"
+
+
+def cell_splitter(separator: Separator, fixed: Sequence[tuple[int, int]] | None) -> Callable[[str], list[str]]:
+    """Return the function from a line to its cells, without blanks around them.
+
+    Parameters
+    ----------
+    separator
+        Not ``auto``.
+    fixed
+        First and last character of each column, from 1; None when cells are separated.
+    """
+    if fixed is not None:
+        return lambda line: [line[first - 1 : last].strip() for first, last in fixed]
+    if separator == "blanks":
+        return lambda line: _quoted(line.strip(), " ") if '"' in line else line.split()
+    sign = _SIGNS[separator]
+    return lambda line: _quoted(line, sign) if '"' in line else [cell.strip() for cell in line.split(sign)]
+
+
+def _quoted(line: str, sign: str) -> list[str]:
+    try:
+        (cells,) = csv.reader([line], delimiter=sign, skipinitialspace=True)
+    except (csv.Error, ValueError):  # a cell larger than csv admits
+        cells = line.split(sign)
+    return [cell.strip() for cell in cells if cell.strip() or sign != " "]

@@ -12,9 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geoswarm.solver.external.errors import InputError, TemplateError
-from geoswarm.solver.external.inputs.files import read_template_file, write_input_file
-from geoswarm.solver.external.inputs.numbers import number_text
 from geoswarm.solver.external.inputs.template import parse_template
+from geoswarm.solver.external.inputs.texts import number_text, read_template_file, write_input_file
 
 
 def filled(text: str, **values: float) -> str:

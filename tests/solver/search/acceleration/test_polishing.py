@@ -10,7 +10,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.search.acceleration.polishing import Polishing
+from geoswarm.solver.search.acceleration.proposer_state import Polishing
 from geoswarm.solver.search.acceleration.strategies import PROBE, Local, polish_pattern
 from tests.solver.problems import decay_document
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search import Runs, SearchSpace
 from geoswarm.solver.search.acceleration import Proposer, ProposerState, candidates
-from geoswarm.solver.search.randomness import particle_generator
+from geoswarm.solver.search.determinism import particle_generator
 from tests.solver.search.spaces import box, oedometer_space
 
 CENTRE = np.array([0.08, 0.05, 25.0])

@@ -1,14 +1,15 @@
-"""Names of files below the folder of a run."""
+"""What users write about outputs: file names below the folder of a run, and regular expressions."""
 
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
 from pydantic import AfterValidator, Field
 
-__all__ = ["RelativePath", "below", "relative_path"]
+__all__ = ["LONGEST_MATCHED", "RelativePath", "below", "compiled", "relative_path"]
 
 _DRIVE = re.compile(r"[A-Za-z]:")
 
@@ -41,3 +42,28 @@ def below(folder: Path, name: str) -> Path:
 
 RelativePath: TypeAlias = Annotated[str, Field(max_length=1000), AfterValidator(relative_path)]
 """A file below the folder of the run, in a section."""
+
+
+LONGEST_MATCHED = 10_000
+"""Bytes of a line in a file that is searched with a regular expression."""
+
+LONGEST_PATTERN = 1000
+"""Characters of a regular expression."""
+
+
+def compiled(pattern: str) -> re.Pattern[str]:
+    """Compile a regular expression.
+
+    Raises
+    ------
+    ValueError
+        It is too long or wrong; the message says where.
+    """
+    if len(pattern) > LONGEST_PATTERN:
+        raise ValueError(f"regular expression has {len(pattern)} characters; at most {LONGEST_PATTERN} are accepted")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            return re.compile(pattern)
+    except (re.error, Warning, RecursionError, OverflowError) as error:
+        raise ValueError(f"'{pattern[:80]}' is not a regular expression: {error}") from None

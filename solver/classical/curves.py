@@ -1,11 +1,15 @@
-"""The straight line with the least squares."""
+"""What evaluations of curves share: the straight line of least squares, and why a curve allows no evaluation."""
 
 from __future__ import annotations
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.errors import SolverError
 
-__all__ = ["straight_line"]
+__all__ = ["NoEvaluationError", "straight_line"]
+
+
+class NoEvaluationError(SolverError):
+    """A curve does not allow an evaluation; the message says what is missing."""
 
 
 def straight_line(x: FloatArray, y: FloatArray) -> tuple[float, float, float]:

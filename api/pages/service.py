@@ -1,4 +1,4 @@
-"""Signing in with an API key."""
+"""Pages of the service itself: signing in with an API key, workers and operations."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 
 from geoswarm.api.pages.shell import render
+from geoswarm.solver.system.versions import versions
 
 __all__ = ["own_address", "router"]
 
@@ -25,3 +26,9 @@ def own_address(address: str) -> str:
     """The address when it leads to a page of this service, else the first page."""
     own = address.startswith("/") and not address.startswith("//") and "\\" not in address and address.isprintable()
     return address if own else "/"
+
+
+@router.get("/workers")
+def workers_page(request: Request) -> HTMLResponse:
+    """Show workers and their work."""
+    return render(request, "workers", version=versions()["geoswarm"])

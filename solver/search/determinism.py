@@ -5,9 +5,14 @@ The order in which particles are computed, the number of workers and any restart
 
 from __future__ import annotations
 
-import numpy as np
+import sys
+from contextlib import AbstractContextManager
+from functools import cache
 
-__all__ = ["design_generator", "particle_generator", "proposer_generator"]
+import numpy as np
+from threadpoolctl import ThreadpoolController
+
+__all__ = ["design_generator", "one_thread", "particle_generator", "proposer_generator"]
 
 _DESIGN = 2**32 - 1  # a generation number that no search reaches: the stream of a whole sampling design
 
@@ -25,3 +30,18 @@ def design_generator(seed: int) -> np.random.Generator:
 def proposer_generator(seed: int, generation: int) -> np.random.Generator:
     """Return the random stream for aiming particles of a generation."""
     return particle_generator(seed, generation, _DESIGN)
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """Keep the linear algebra of NumPy, and of SciPy once it is imported, to one thread while the body runs."""
+    limited: AbstractContextManager[object] = _threadpools("scipy.linalg" in sys.modules).limit(
+        limits=1, user_api="blas"
+    )
+    return limited
+
+
+@cache
+def _threadpools(with_scipy: bool) -> ThreadpoolController:
+    """Look through all libraries that are loaded, which takes some milliseconds; SciPy brings a BLAS of its own."""
+    del with_scipy
+    return ThreadpoolController()
