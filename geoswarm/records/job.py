@@ -82,7 +82,7 @@ class Job:
 
     def _repr_html_(self) -> str:
         """Show the job in a notebook."""
-        from geoswarm.solver.progress.result import result_html
+        from geoswarm.solver.progress.notebook import result_html
 
         facts = {
             "id": self.id,

@@ -11,5 +11,6 @@
 ``errors``         what can go wrong around the files of a program
 ``pest_control``   control files of PEST and PEST++ as problem files
 ``umbridge``       models behind the UM-Bridge protocol 1.0: the client's side
+``reading_time``   limits the time for reading the output of a run: a regular expression can take forever on a line
 =================  ==================================================================================================
 """

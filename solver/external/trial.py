@@ -13,7 +13,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.external.errors import OutputError, RunFailedError
 from geoswarm.solver.external.outputs.base import OutputReader
-from geoswarm.solver.system.time_limit import reading
+from geoswarm.solver.external.reading_time import reading
 
 __all__ = ["SeriesTrial", "TrialRun", "is_watched", "note", "watched"]
 

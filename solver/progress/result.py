@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from html import escape
 from typing import Literal
 
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.answer import Answer
+from geoswarm.solver.progress.notebook import result_html
 from geoswarm.solver.progress.state import Best, Progress
 from geoswarm.solver.progress.stopping import fails_always
 
@@ -22,7 +22,6 @@ __all__ = [
     "count_alike",
     "generation_record",
     "no_success_message",
-    "result_html",
 ]
 
 _TELLING = 5
@@ -156,34 +155,3 @@ def no_success_message(reasons: Counter[str], first_message: str | None) -> str:
     if fails_always(reasons, reasons.total()):
         message += ", which ends the search: the forward model fails whatever the parameters are"
     return f"{message}; first message: {first_message}" if first_message else message
-
-
-_CELL = "style='text-align:left;padding:.2em 1em .2em 0'"
-
-
-def result_html(
-    title: str, facts: Mapping[str, str], parameters: Mapping[str, float] | None, remarks: Mapping[str, str]
-) -> str:
-    """Return an HTML element.
-
-    Parameters
-    ----------
-    title
-        First line.
-    facts
-        Names and values.
-    parameters
-        Value of every parameter by name, or None.
-    remarks
-        What stands beside a parameter.
-    """
-    lines = [f"<div><strong>{escape(title)}</strong><table>"]
-    lines += [f"<tr><th {_CELL}>{escape(k)}</th><td {_CELL}>{escape(v)}</td></tr>" for k, v in facts.items()]
-    lines.append("</table>")
-    if parameters:
-        lines.append(f"<table><tr><th {_CELL}>parameter</th><th {_CELL}>value</th><th></th></tr>")
-        for name, value in parameters.items():
-            cells = (name, f"{value:.6g}", remarks.get(name, ""))
-            lines.append("<tr>" + "".join(f"<td {_CELL}>{escape(cell)}</td>" for cell in cells) + "</tr>")
-        lines.append("</table>")
-    return "".join([*lines, "</div>"])

@@ -7,7 +7,7 @@
 ``specimen``  shapes of a specimen in its apparatus
 ``ground``    shapes of layered ground
 ``panels``    shapes of a programme
-``ticks``     ticks of its axes
+``ticks``     ticks of its axes; lengths as they are usual
 ``shapes``    lines, areas and texts, and the sheet that they are put on
 ``svg``       shapes as an element for a page
 ``marks``     the values beside the line of a loading programme: each where it touches neither a line nor another value

@@ -9,8 +9,9 @@ from geoswarm.solver.sketches.ground import draw_ground
 from geoswarm.solver.sketches.panels import draw_programme
 from geoswarm.solver.sketches.shapes import Drawing
 from geoswarm.solver.sketches.specimen import draw_specimen
+from geoswarm.solver.sketches.ticks import ground_length, specimen_length
 
-__all__ = ["DrawnSketch", "Told", "drawings", "ground_length", "specimen_length"]
+__all__ = ["DrawnSketch", "Told", "drawings"]
 
 _MOST_NAMED = 12
 _HELD = {
@@ -104,25 +105,3 @@ def _of_ground(ground: Ground) -> str:
         left = len(ground.instruments) - _MOST_NAMED
         parts.append(f"Instruments: {named}{f' and {left} more' if left > 0 else ''}.")
     return " ".join(parts)
-
-
-def specimen_length(metres: float) -> str:
-    """A length of a specimen, which is given in mm below 1 m.
-
-    >>> specimen_length(0.02021)
-    '20.21 mm'
-    """
-    return f"{metres:g} m" if metres >= 1.0 else f"{_rounded(1e3 * metres)} mm"
-
-
-def ground_length(metres: float) -> str:
-    """A depth, distance or thickness in the ground, which is given in cm below 0.1 m.
-
-    >>> ground_length(1.5)
-    '1.5 m'
-    """
-    return f"{metres:g} m" if metres == 0.0 or metres >= 0.1 else f"{_rounded(1e2 * metres)} cm"
-
-
-def _rounded(value: float) -> str:
-    return f"{float(f'{value:.12g}'):g}"  # 1000 times 0.07 is 70.00000000000001

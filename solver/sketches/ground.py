@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from geoswarm.solver.sketches.declared import Ground
-from geoswarm.solver.sketches.drawing import ground_length
 from geoswarm.solver.sketches.shapes import Drawing, Ink, Sheet, text_width
+from geoswarm.solver.sketches.ticks import ground_length
 
 __all__ = ["draw_ground"]
 

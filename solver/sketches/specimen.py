@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 
 from geoswarm.solver.sketches.declared import End, SpecimenSketch
-from geoswarm.solver.sketches.drawing import specimen_length
 from geoswarm.solver.sketches.shapes import Drawing, Sheet, text_width
+from geoswarm.solver.sketches.ticks import specimen_length
 
 __all__ = ["draw_specimen"]
 

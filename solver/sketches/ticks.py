@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-__all__ = ["Scale", "linear_scale", "log_scale", "short"]
+__all__ = ["Scale", "ground_length", "linear_scale", "log_scale", "short", "specimen_length"]
 
 _MOST = 5
 
@@ -64,3 +64,25 @@ def short(value: float) -> str:
         return "0"
     text = f"{value:.4g}"
     return text.replace("e+0", "e").replace("e+", "e").replace("e-0", "e-").replace("-", "\N{MINUS SIGN}")
+
+
+def specimen_length(metres: float) -> str:
+    """A length of a specimen, which is given in mm below 1 m.
+
+    >>> specimen_length(0.02021)
+    '20.21 mm'
+    """
+    return f"{metres:g} m" if metres >= 1.0 else f"{_rounded(1e3 * metres)} mm"
+
+
+def ground_length(metres: float) -> str:
+    """A depth, distance or thickness in the ground, which is given in cm below 0.1 m.
+
+    >>> ground_length(1.5)
+    '1.5 m'
+    """
+    return f"{metres:g} m" if metres == 0.0 or metres >= 0.1 else f"{_rounded(1e2 * metres)} cm"
+
+
+def _rounded(value: float) -> str:
+    return f"{float(f'{value:.12g}'):g}"  # 1000 times 0.07 is 70.00000000000001

@@ -9,6 +9,5 @@
 ``activity``     what an evaluation does besides calculating: it waits for its turn, or reads
 ``installed``    finds what is installed by its kind: what this package has, and what others offer as entry points of a
                  group
-``time_limit``   a limit of time for Python code in this thread, regular expressions included
 ===============  ======================================================================================================
 """

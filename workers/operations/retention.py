@@ -14,11 +14,10 @@ from sqlalchemy import Connection
 
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError, StoreUnavailableError
-from geoswarm.workers.operations.sweep import with_signals
+from geoswarm.workers.operations.sweep import empty_journal, note_deletion, with_signals
 from geoswarm.workers.queries import jobs
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.file import empty_journal, note_deletion
 
 __all__ = ["Pruned", "delete_job", "prune", "run_prune"]
 

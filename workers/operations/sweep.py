@@ -9,8 +9,8 @@ from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from types import FrameType
 
-from sqlalchemy import ColumnElement, Connection, delete, not_, or_, select
-from sqlalchemy.dialects.postgresql import insert
+from sqlalchemy import ColumnElement, Connection, and_, delete, exists, insert, not_, or_, select
+from sqlalchemy.dialects import postgresql
 
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
@@ -36,12 +36,11 @@ from geoswarm.workers.queries.workers import (
 )
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import unpack_json
-from geoswarm.workers.store.database import Record
-from geoswarm.workers.store.file import empty_journal
+from geoswarm.workers.store.database import Record, Store
 from geoswarm.workers.store.tables import counters
 from geoswarm.workers.waker import Waker
 
-__all__ = ["Sweeper", "begin_sweep", "due_sweeps", "forget_marks", "with_signals"]
+__all__ = ["Sweeper", "begin_sweep", "due_sweeps", "empty_journal", "forget_marks", "note_deletion", "with_signals"]
 
 log = logging.getLogger(__name__)
 
@@ -210,20 +209,20 @@ def with_signals(stop: Callable[[], None]) -> None:
         signal.signal(number, handle)
 
 
-NAME = "sweep"
+SWEEP = "sweep"
 FORGET_SECONDS = 3600.0  # machines that have gone
 
 
 def due_sweeps(connection: Connection, labels: Collection[str], seconds: float) -> list[str]:
     """Return those of the labels whose sweep nobody began in these seconds."""
-    marks = counters.c.name == NAME, counters.c.label.in_(labels), not_(_old(seconds))
+    marks = counters.c.name == SWEEP, counters.c.label.in_(labels), not_(_old(seconds))
     fresh = set(connection.scalars(select(counters.c.label).where(*marks)))
     return [label for label in labels if label not in fresh]
 
 
 def begin_sweep(connection: Connection, label: str, seconds: float) -> bool:
     """Note that this process sweeps now; False if another one has begun in these seconds."""
-    statement = insert(counters).values(name=NAME, label=label, value=database_now())
+    statement = postgresql.insert(counters).values(name=SWEEP, label=label, value=database_now())
     statement = statement.on_conflict_do_update(
         index_elements=[counters.c.name, counters.c.label], set_={"value": database_now()}, where=_old(seconds)
     )
@@ -232,7 +231,7 @@ def begin_sweep(connection: Connection, label: str, seconds: float) -> bool:
 
 def forget_marks(connection: Connection, kept: Collection[str]) -> None:
     """Delete the marks of machines that have gone."""
-    gone = counters.c.name == NAME, counters.c.label.not_in(kept), _old(FORGET_SECONDS)
+    gone = counters.c.name == SWEEP, counters.c.label.not_in(kept), _old(FORGET_SECONDS)
     connection.execute(delete(counters).where(*gone))
 
 
@@ -240,3 +239,32 @@ def _old(seconds: float) -> ColumnElement[bool]:
     """Whether a mark is older than this, or of a clock that was set back since."""
     now = database_now()
     return or_(counters.c.value < now - seconds, counters.c.value > now + seconds)
+
+
+JOURNAL = "journal"
+NOTE = and_(counters.c.name == JOURNAL, counters.c.label == "")
+
+
+def note_deletion(connection: Connection) -> None:
+    """Note that the journal is to be emptied; inside the transaction that deletes."""
+    if connection.dialect.name == "sqlite" and not _noted(connection):
+        connection.execute(insert(counters).values(name=JOURNAL, label="", value=1.0))
+
+
+def empty_journal(store: Store) -> bool:
+    """Empty the journal if noted; False if it is not possible now.
+
+    Raises
+    ------
+    StoreUnavailableError
+    """
+    if store.file is None or not store.read(_noted):
+        return True
+    if not store.truncate_journal():
+        return False
+    store.write(lambda connection: connection.execute(delete(counters).where(NOTE)))
+    return True
+
+
+def _noted(connection: Connection) -> bool:
+    return bool(connection.scalar(select(exists().where(NOTE))))

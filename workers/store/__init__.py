@@ -5,7 +5,7 @@
 ``codec``           how values are stored in the database: exact floats, no pickle, no NaN in JSON
 ``database``        connections and transactions: SQLite and PostgreSQL behave the same behind :class:`Store`
 ``event_listener``  announces committed events immediately, if the database can; listeners may sleep in between
-``file``            the file of an SQLite database, readable by its owner only; its journal, emptied after deletions
+``file``            the file of an SQLite database: readable by its owner only, and the same as long as it is open
 ``migrate``         upgrades the schema at start, with any number of processes starting at once
 ``migrations``      alembic migrations of the database; applied by ``geoswarm.workers.store.migrate``
 ``outbox``          records, in the transaction that ends a job, whom to notify: once committed, no notification is lost

@@ -8,15 +8,12 @@ import shutil
 from pathlib import Path
 from typing import TypeAlias
 
-from sqlalchemy import Connection, and_, delete, exists, insert, select
 from sqlalchemy.engine import make_url
 
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.store.database import Store
-from geoswarm.workers.store.tables import counters
 
-__all__ = ["DatabaseFile", "FileIdentity", "database_path", "empty_journal", "missing_database", "note_deletion"]
+__all__ = ["DatabaseFile", "FileIdentity", "database_path", "missing_database"]
 
 FileIdentity: TypeAlias = tuple[int, int]
 """Device and inode: what a path leads to."""
@@ -102,32 +99,3 @@ def _identity(path: Path) -> FileIdentity | None:
     except OSError:
         return None
     return found.st_dev, found.st_ino
-
-
-NAME = "journal"
-NOTE = and_(counters.c.name == NAME, counters.c.label == "")
-
-
-def note_deletion(connection: Connection) -> None:
-    """Note that the journal is to be emptied; inside the transaction that deletes."""
-    if connection.dialect.name == "sqlite" and not _noted(connection):
-        connection.execute(insert(counters).values(name=NAME, label="", value=1.0))
-
-
-def empty_journal(store: Store) -> bool:
-    """Empty the journal if noted; False if it is not possible now.
-
-    Raises
-    ------
-    StoreUnavailableError
-    """
-    if store.file is None or not store.read(_noted):
-        return True
-    if not store.truncate_journal():
-        return False
-    store.write(lambda connection: connection.execute(delete(counters).where(NOTE)))
-    return True
-
-
-def _noted(connection: Connection) -> bool:
-    return bool(connection.scalar(select(exists().where(NOTE))))

@@ -20,6 +20,7 @@ from geoswarm.solver.external.inputs.pest_template import PestTemplate, parse_pe
 from geoswarm.solver.external.inputs.template import SLOT, Template, parse_template
 from geoswarm.solver.external.inputs.texts import write_input_file
 from geoswarm.solver.external.interpolation import at_points
+from geoswarm.solver.external.reading_time import reading
 from geoswarm.solver.external.runs.folder import Keep, RunFolder, private_folder, tidy
 from geoswarm.solver.external.runs.program import Ended, NotStartedError, run_program
 from geoswarm.solver.external.runs.secrets import Secrets, private_values
@@ -32,7 +33,6 @@ from geoswarm.solver.forward.base import ForwardRun, NotedResponse, ParameterInf
 from geoswarm.solver.forward.programs.foreign import ForeignModel, series_in_base_units
 from geoswarm.solver.system.activity import has_waited, waiting
 from geoswarm.solver.system.environment import clean_environment
-from geoswarm.solver.system.time_limit import reading
 from geoswarm.solver.units import base_unit, convert
 
 if TYPE_CHECKING:

@@ -11,9 +11,10 @@ import pytest
 
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import find_spec, parse_spec, sketches_of
-from geoswarm.solver.sketches.drawing import Told, drawings, ground_length, specimen_length
+from geoswarm.solver.sketches.drawing import Told, drawings
 from geoswarm.solver.sketches.shapes import Area, Dot, Drawing, Line, Text, text_width
 from geoswarm.solver.sketches.svg import svg_element
+from geoswarm.solver.sketches.ticks import ground_length, specimen_length
 
 TESTS = (
     "oedometer",

@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from geoswarm.solver.system.time_limit import OutOfTimeError, time_limit
+from geoswarm.solver.external.reading_time import OutOfTimeError, time_limit
 
 
 def test_a_regular_expression_is_ended() -> None:

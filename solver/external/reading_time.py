@@ -1,4 +1,4 @@
-"""A limit of time for Python code in this thread, regular expressions included."""
+"""Limits the time for reading the output of a run: a regular expression can take forever on a single line."""
 
 from __future__ import annotations
 
@@ -13,6 +13,37 @@ from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.system.activity import doing
 
 __all__ = ["LONGEST_READING", "OutOfTimeError", "reading", "time_limit"]
+
+LONGEST_READING = 600.0
+"""Where a call has no limit of its own [s]."""
+
+
+@contextmanager
+def reading(what: str, seconds: float | None) -> Iterator[None]:
+    """Read something in the body.
+
+    Parameters
+    ----------
+    what
+        For messages.
+    seconds
+        Limit of the call [s], which holds once more for each thing that is read; None: 600.
+
+    Raises
+    ------
+    RunFailedError
+        ``timeout``: it took longer. In threads beside the main one, and on Windows, nothing is limited.
+    """
+    most = LONGEST_READING if seconds is None else seconds
+    try:
+        with doing(f"reading {what}"), time_limit(most):
+            yield
+    except OutOfTimeError:
+        limit = "" if seconds is None else " (seconds)"
+        raise RunFailedError("timeout", f"reading {what} took longer than {most:g} s{limit}; {_HINT}") from None
+
+
+_HINT = "a regular expression in it may try too many ways, such as (a+)+b"
 
 
 class OutOfTimeError(BaseException):
@@ -50,35 +81,3 @@ def time_limit(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, handler)
         if before:
             signal.setitimer(signal.ITIMER_REAL, max(before - (time.monotonic() - began), 1e-3), interval)
-
-
-LONGEST_READING = 600.0
-"""Where a call has no limit of its own [s]."""
-
-
-@contextmanager
-def reading(what: str, seconds: float | None) -> Iterator[None]:
-    """Read something in the body.
-
-    Parameters
-    ----------
-    what
-        For messages.
-    seconds
-        Limit of the call [s], which holds once more for each thing that is read; None: 600.
-
-    Raises
-    ------
-    RunFailedError
-        ``timeout``: it took longer. In threads beside the main one, and on Windows, nothing is limited.
-    """
-    most = LONGEST_READING if seconds is None else seconds
-    try:
-        with doing(f"reading {what}"), time_limit(most):
-            yield
-    except OutOfTimeError:
-        limit = "" if seconds is None else " (seconds)"
-        raise RunFailedError("timeout", f"reading {what} took longer than {most:g} s{limit}; {_HINT}") from None
-
-
-_HINT = "a regular expression in it may try too many ways, such as (a+)+b"
