@@ -8,15 +8,13 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``states``       states of jobs, evaluations and keys
 ``job``          a job
 ``evaluation``   one forward calculation, its attempts, its columns in tables, the best one
-``event``        what happens to a job
 ``fit``          measured points with what was calculated there
 ``remedy``       what to do about a finding
 ``statistics``   what the stored evaluations of a job tell
 ``uncertainty``  what its follow-ups have found, a sample of the posterior
-``worker``       who runs forward calculations
-``key``          API keys and roles
 ``arrays``       how arrays are read and written
 ``progress``     how far a job is within its generation, and what its follow-ups would cost
+``worker``       who runs forward calculations
 ``account``      what an owner sets up in a service: API keys with their roles, hooks
 ``history``      what happens to a job: events, and the cycles of its search
 ===============  ==========================================================================

@@ -18,7 +18,8 @@ from typing import Final
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
-from geoswarm.solver.element_test.mixed_step import DONE, GROWTH, LOCAL_SHARE, NO_STEP, PAUSED, Room, mixed_step
+from geoswarm.solver.element_test.mixed_step import Room, mixed_step
+from geoswarm.solver.element_test.step_control import DONE, GROWTH, LOCAL_SHARE, NO_STEP, PAUSED
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["advance"]
@@ -130,7 +131,7 @@ def _combine(
 
     ``found`` (7, m); ``first`` (m,) at the beginning; ``weights`` (m,) turn errors into strain over the tolerance, of
     which ``share`` is granted to the end, or are
-    :data:`geoswarm.solver.element_test.mixed_step.AS_FOUND`;
+    :data:`geoswarm.solver.element_test.step_control.AS_FOUND`;
     ``offset`` of the m values in ``middle`` and ``end``.
     """
     worst = 0.0
@@ -198,7 +199,7 @@ def advance(
         (n,): expected strain for each unit of length; becomes that of the last step.
     weights
         For stress, strain and state, (n,), (n,), (s,): what turns their errors into strain over the tolerance; of flags
-        and counters among the state :data:`geoswarm.solver.element_test.mixed_step.AS_FOUND`.
+        and counters among the state :data:`geoswarm.solver.element_test.step_control.AS_FOUND`.
     p_range
         Mean stress, kPa, between which the weights hold.
     dense

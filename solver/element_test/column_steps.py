@@ -20,7 +20,7 @@ from geoswarm.solver.element_test.column import (
     profile,
     substep,
 )
-from geoswarm.solver.element_test.mixed_step import DONE, GROWTH, LOCAL_SHARE, NO_STEP, PAUSED
+from geoswarm.solver.element_test.step_control import DONE, GROWTH, LOCAL_SHARE, NO_STEP, PAUSED
 from geoswarm.solver.kernels.jit import kernel
 
 __all__ = ["lead_column"]
@@ -30,7 +30,7 @@ _SMALLEST_STEP: Final = 1.0e-15
 
 Weights = tuple[FloatArray, float, FloatArray]
 """What turns errors of stress (j,), strain and state variables (j, s) into strain over the tolerance; of flags and
-counters among the state :data:`geoswarm.solver.element_test.mixed_step.AS_FOUND`."""
+counters among the state :data:`geoswarm.solver.element_test.step_control.AS_FOUND`."""
 Watch = tuple[FloatArray, FloatArray]
 """Combinations of a profile (w, PROFILE j) that are to be parabolas within a step, and what turns their errors into
 strain over the tolerance, (w,)."""

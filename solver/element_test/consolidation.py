@@ -25,7 +25,7 @@ from geoswarm.solver.element_test.column import (
 )
 from geoswarm.solver.element_test.column_steps import lead_column
 from geoswarm.solver.element_test.load_paths import Path, PointState
-from geoswarm.solver.element_test.mixed_step import AS_FOUND, DONE, NO_STEP, PAUSED
+from geoswarm.solver.element_test.step_control import AS_FOUND, DONE, NO_STEP, PAUSED
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.laws.base import Soil
 

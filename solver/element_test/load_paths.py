@@ -11,7 +11,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.element_test.advance import advance
-from geoswarm.solver.element_test.mixed_step import AS_FOUND, DONE, NO_STEP
+from geoswarm.solver.element_test.step_control import AS_FOUND, DONE, NO_STEP
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.words import per_cent

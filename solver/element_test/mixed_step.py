@@ -10,7 +10,7 @@ from geoswarm.solver.constitutive.tensors import solve_dense
 from geoswarm.solver.kernels.jit import kernel
 from geoswarm.solver.laws.binary import call_update
 
-__all__ = ["AS_FOUND", "DONE", "GROWTH", "LOCAL_SHARE", "NO_STEP", "PAUSED", "Room", "mixed_step"]
+__all__ = ["Room", "mixed_step"]
 
 _ITERATIONS: Final = 40
 _HALVINGS: Final = 8
@@ -144,16 +144,3 @@ def mixed_step(
         for i in range(count):
             strain[i] = trial[i]
     return -1
-
-
-DONE: Final = 0
-PAUSED: Final = 1
-NO_STEP: Final = 2
-"""How stepping ended: at the end, for want of room, or without a solution."""
-
-LOCAL_SHARE: Final = 0.1
-"""Part of the tolerance that is granted to one step."""
-GROWTH: Final = 6.0
-"""Of the length, at most, from a step to the next."""
-AS_FOUND: Final = -1.0
-"""Weight of a flag or counter among the state variables: no mean of several ways is taken, and it has no error."""

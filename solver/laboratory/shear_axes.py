@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Final
 
 import numpy as np
-from pydantic import BaseModel
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.forward.diagram import Derived, Diagram
 from geoswarm.solver.laboratory.quantities import Quantity
 from geoswarm.solver.laboratory.series import (
     Axis,
@@ -25,7 +22,7 @@ from geoswarm.solver.laboratory.series import (
 )
 from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
 
-__all__ = ["is_timed", "over_strain", "path_series", "shear_modulus_diagram", "shear_series"]
+__all__ = ["path_series", "shear_series"]
 
 _CURVE_POINTS = 100
 _MOST_POINTS = 4000
@@ -153,32 +150,3 @@ def _other_axes(stages: Sequence[ShearStage], whole: str) -> Iterator[Axis]:
         ("cycle_min_", "the smallest value in a cycle", in_cycles(False), True),
     ):
         yield Axis(prefix, words, "cycle", "", pick, numbers, 1.0, float(count), x_integer=True, dense=dense)
-
-
-_PACES = ("duration", "rate", "period")
-
-
-def is_timed(stages: Sequence[BaseModel]) -> bool:
-    """Whether all stages of shearing say how long they take."""
-    return all(any(getattr(stage, name, None) is not None for name in _PACES) for stage in stages)
-
-
-_SMALL: Final = 1.0e-3
-"""Shear strain: where none as small was read, the diagram tells less than the curve of stress over strain."""
-
-
-def over_strain(stress: FloatArray, strain: FloatArray) -> FloatArray:
-    """Stress over strain, (m,); nan without strain."""
-    found: FloatArray = np.divide(stress, strain, out=np.full(np.shape(strain), np.nan), where=np.abs(strain) > 0.0)
-    return found
-
-
-def shear_modulus_diagram(series: str, derived: tuple[Derived, ...]) -> Diagram:
-    """Secant shear modulus, a series of this name, over ``shear_strain``; ``derived``: by what it is found else."""
-    caption = (
-        "Secant shear modulus since the beginning of shearing over the logarithm of the shear strain; where it was not "
-        "read itself, from stress and strain."
-    )
-    return Diagram(
-        "shear_modulus", "Shear modulus", caption, "shear_strain", series, log=True, small=_SMALL, derived=derived
-    )
