@@ -11,13 +11,14 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from geoswarm.solver.identifiability.misfits import Misfit
+from geoswarm.solver.plausibility.readings import Doubt
 from geoswarm.solver.problem import FixedParameter, Problem
 from geoswarm.solver.problem.checks.consolidation import PrimaryConsolidation, find_consolidation
 from geoswarm.solver.problem.observations import Observation
 from geoswarm.solver.problem.stages import stage_times
 from geoswarm.solver.words import listed
 
-__all__ = ["FollowUpKind", "Remedy", "RemedyKind", "follow_up", "remedies_of"]
+__all__ = ["FollowUpKind", "Remedy", "RemedyKind", "check_readings", "follow_up", "remedies_of"]
 
 FollowUpKind: TypeAlias = Literal["sensitivity", "profile", "explore"]
 RemedyKind: TypeAlias = Literal[
@@ -79,7 +80,8 @@ class Remedy:
                     ways.append("take `loss: soft_l1` for the series")
                 return f"Look up reading{'s' if several else ''} {numbers} of {self.series}: {listed(ways, 'or')}."
             case "check_readings":
-                return _UNITS_FIRST
+                slips = [f"{one['series']} in {one['unit']} ({one['key']}: '{one['unit']}')" for one in self._units]
+                return f"{_UNITS_FIRST} They would fit the specimen with {listed(slips)}." if slips else _UNITS_FIRST
             case "primary_consolidation":
                 v = self.values
                 found = PrimaryConsolidation(
@@ -106,6 +108,10 @@ class Remedy:
                 return _FOLLOW_UPS[self.kind]
 
     @property
+    def _units(self) -> Sequence[Mapping[str, str]]:
+        return self.values.get("units", ())
+
+    @property
     def _or_stage_ends(self) -> str:
         ends = ", or calibrate stage_settlement, the values at the ends of the stages"
         return ends if self.values["stage_settlement"] else ""
@@ -118,6 +124,12 @@ class Remedy:
 def follow_up(kind: FollowUpKind) -> Remedy:
     """The remedy that a follow-up is."""
     return Remedy(kind)
+
+
+def check_readings(doubts: Sequence[Doubt]) -> Remedy:
+    """The remedy for readings that no soil can have, with the units in which they would be usual."""
+    units = [{"series": one.series, "key": one.field, "unit": one.unit} for one in doubts if one.unit]
+    return Remedy("check_readings", values={"units": units} if units else {})
 
 
 def remedies_of(problem: Problem, misfits: Sequence[Misfit]) -> tuple[Remedy, ...]:

@@ -59,6 +59,8 @@ class Doubt:
         What to do, as the rest of that sentence.
     impossible
         Whether no soil has such readings.
+    unit
+        The unit in which they would be usual ones; None where none is known.
     """
 
     series: str
@@ -67,6 +69,7 @@ class Doubt:
     seen: str
     remedy: Sentence
     impossible: bool
+    unit: str | None = None
 
     @property
     def message(self) -> str:
@@ -130,7 +133,8 @@ def _size(readings: StagedReadings) -> Iterator[Doubt]:
     height: Sentence = () if length == 1.0 else (", and ", readings.key("height"))
     remedy = _unit(readings.path, "y", readings.y_unit, meant, height)
     impossible = strain > 1.0 or strain < _NOTHING * least
-    yield Doubt(readings.observation.series, readings.path, "y_unit", f"{begins} {what}", remedy, impossible)
+    unit = meant and meant[0]
+    yield Doubt(readings.observation.series, readings.path, "y_unit", f"{begins} {what}", remedy, impossible, unit)
 
 
 def _sign(readings: StagedReadings) -> Iterator[Doubt]:
@@ -161,7 +165,8 @@ def _void_ratio(readings: StagedReadings) -> Iterator[Doubt]:
         f"a void ratio of {readings.in_data(wrong)} is outside what soils have, {_VOID_RATIO[0]:g} to "
         f"{_VOID_RATIO[1]:g}"
     )
-    yield Doubt(readings.observation.series, readings.path, "y_unit", seen, remedy, wrong <= 0.0 or wrong == high)
+    impossible = wrong <= 0.0 or wrong == high
+    yield Doubt(readings.observation.series, readings.path, "y_unit", seen, remedy, impossible, meant and meant[0])
 
 
 def _unit(place: str, axis: str, unit: str, meant: tuple[str, float] | None, other: Sentence = ()) -> Sentence:
@@ -206,7 +211,8 @@ def _of_any_law(place: str, observation: Observation, info: SeriesInfo, spec: La
             what += f"; in {meant[0]} it would be {with_unit(float(f'{meant[1]:.2g}'), base)}"
         shown = with_unit(float(f"{float(convert(largest, base or '1', unit or '1')):.3g}"), unit)
         seen = f"the largest value of {quantity}, {shown}, is {what}"
-        yield Doubt(observation.series, place, f"{axis}_unit", seen, _unit(place, axis, unit, meant), True)
+        remedy = _unit(place, axis, unit, meant)
+        yield Doubt(observation.series, place, f"{axis}_unit", seen, remedy, True, meant and meant[0])
 
 
 def _begins_anew(place: str, observation: Observation, info: SeriesInfo) -> Iterator[Doubt]:

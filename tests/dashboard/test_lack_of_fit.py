@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 from playwright.sync_api import expect
 
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.problem import load_problem
 from tests.api.conftest import line_problem
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_statistics import ended
+from tests.verification.test_primary_consolidation import measured, problem_of
 
 Visit = Callable[..., Opened]
 SOON = 240_000
@@ -46,3 +51,54 @@ def test_the_pages_begin_with_what_is_wrong(embedded: Site, visit: Visit, bent: 
     check_accessibility(page)
     if folder := os.environ.get("PICTURES_TEMP"):
         page.screenshot(path=f"{folder}/page{path.replace('/', '_')}.png", full_page=False)
+
+
+def outlier() -> dict[str, Any]:
+    x = np.linspace(0.0, 3.0, 25)
+    y = 1.0 + 2.0 * x + np.random.default_rng(3).normal(0.0, 0.05, x.size)
+    y[16] += 4.0
+    points = {"x": x.tolist(), "y": y.tolist()}
+    return line_problem(
+        name="a slip", observations=[{"series": "y", "points": points}], stopping={"max_evaluations": 90}
+    )
+
+
+def metres() -> dict[str, Any]:
+    with example_file("oedometer") as file:
+        document = load_problem(file).document()
+    document["observations"][0]["y_unit"] = "m"
+    return document | {
+        "stopping": {"max_evaluations": 20},
+        "answer": {"max_evaluations": "off"},
+        "accept": ["settlement"],
+    }
+
+
+def consolidating() -> dict[str, Any]:
+    few = {"stopping": {"max_evaluations": 300}, "answer": {"max_evaluations": "off"}}
+    return problem_of(measured(primary=True)).document() | few
+
+
+@pytest.mark.parametrize(
+    ("wrong", "button", "changed"),
+    [
+        (
+            consolidating,
+            "Leave out the first 4.. min of each stage of settlement",
+            {"stage_x_from": pytest.approx(412, rel=0.05)},
+        ),
+        (outlier, "Leave out reading 17 of y and recalculate", {"gross_errors": [17]}),
+        (metres, "Read settlement in mm and recalculate", {"y_unit": "mm"}),
+    ],
+)
+def test_a_remedy_is_done_by_its_button(
+    embedded: Site, visit: Visit, wrong: Callable[[], dict[str, Any]], button: str, changed: dict[str, Any]
+) -> None:
+    job = ended(embedded.service, wrong())
+    page, _ = visit(embedded, f"/jobs/{job}")
+    page.locator("#alarm").get_by_role("button", name=re.compile(button)).click(timeout=SOON)
+    page.wait_for_url(re.compile(rf"/jobs/(?!{job})"), timeout=SOON)
+    problem = embedded.service.problem(page.url.rpartition("/")[2])
+    observation = problem["observations"][0]
+    assert {key: observation[key] for key in changed} == changed
+    assert not problem.get("accept")

@@ -1,6 +1,6 @@
 // What stands before everything: where the model does not describe the data, by how much, and what to do.
 import { element } from "./dom.js";
-import { remedyWords } from "./remedies.js";
+import { recalculations, remedyWords } from "./remedies.js";
 
 /** Kinds of verdicts, on the fit and on parameters, with which intervals do not hold. */
 export const WRONG = new Set(["lack_of_fit", "error_not_met"]);
@@ -11,11 +11,12 @@ export function doubt(fit) {
   return fit && WRONG.has(fit.kind) && !fit.tests ? fit.headline : "";
 }
 
-/** The elements of the alarm of a verdict on the fit; none where nothing is wrong. With a job, a link to its problem. */
-export function alarm(fit, job) {
+/** The elements of the alarm of a verdict on the fit of a job; none where nothing is wrong. With a link to its problem, or not. */
+export function alarm(fit, job, link = true) {
   if (!fit?.headline) return [];
-  const editable = job && document.body.dataset.maySubmit === "true" && fit.what_to_do.some(({ changes }) => changes.length);
+  const may = document.body.dataset.maySubmit === "true";
+  const editable = may && link && fit.what_to_do.some(({ changes }) => changes.length);
   return [element("section", { class: "alarm", role: "alert" }, element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`), element("p", {}, fit.sentence),
-    element("p", {}, element("strong", {}, "What to do:")), element("ol", {}, fit.what_to_do.map((remedy) => element("li", {}, remedyWords(remedy)))),
+    element("p", {}, element("strong", {}, "What to do:")), element("ol", {}, fit.what_to_do.map((remedy) => element("li", {}, remedyWords(remedy), may ? recalculations(remedy, job) : null))),
     editable ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem")) : null)];
 }

@@ -18,7 +18,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD, Closeness, Misfit, headline_of, sentence_of
-from geoswarm.solver.identifiability.remedies import Remedy, follow_up, remedies_of
+from geoswarm.solver.identifiability.remedies import Remedy, check_readings, follow_up, remedies_of
 from geoswarm.solver.identifiability.residuals.closeness import closeness_of
 from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, excluded_readings
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
@@ -146,7 +146,7 @@ def unfit_readings(problem: Problem) -> FitVerdict | None:
     if not doubts:
         return None
     each = ". ".join(f"{doubt.series}: {doubt.seen}" for doubt in doubts)
-    return FitVerdict("lack_of_fit", f"The readings do not fit this specimen. {each}.", (), (Remedy("check_readings"),))
+    return FitVerdict("lack_of_fit", f"The readings do not fit this specimen. {each}.", (), (check_readings(doubts),))
 
 
 def examine_fit(

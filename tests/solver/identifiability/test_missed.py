@@ -34,7 +34,9 @@ def test_readings_that_no_soil_can_have_come_first() -> None:
         "The readings do not fit this specimen. settlement: the largest reading, 3.66 m, is more than the height of "
         "the specimen, 0.02021 m; in mm it would be 0.18 of it."
     )
-    assert fit.remedies == (Remedy("check_readings"),)
+    slip = {"series": "settlement", "key": "y_unit", "unit": "mm"}
+    assert fit.remedies == (Remedy("check_readings", values={"units": [slip]}),)
+    assert fit.remedies[0].text.endswith("They would fit the specimen with settlement in mm (y_unit: 'mm').")
     found = analyse(Calibration(problem, 1), samples)
     assert found.fit == fit
     assert not {one.kind for verdict in found.verdicts for one in verdict.proposals} & {"fix", "link"}

@@ -71,7 +71,7 @@ export function answer(view) {
       said.replaceChildren();
       return;
     }
-    document.getElementById("alarm").replaceChildren(...alarm(view.statistics.fit, view.statistics.fit.kind === "lack_of_fit" ? null : view.id));
+    document.getElementById("alarm").replaceChildren(...alarm(view.statistics.fit, view.id, view.statistics.fit.kind !== "lack_of_fit"));
     show();
     next.show();
   }
