@@ -12,6 +12,7 @@
 ``administration``  records of operations, for administrators, and of who one is
 ``bodies``          records of bodies: the mesh of an evaluation, what was measured on it, and how it moves
 ``points``          evaluations of a job as arrays, from the block of float32 that plots use
+``files``           files that appear only when they are complete
 ==================  ===============================================================================================
 """
 

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import IO
 
 from geoswarm.records.arrays import Floats, Integers
 
-__all__ = ["Displacement", "Mesh", "MeshFields", "Phase", "partial_file"]
+__all__ = ["Displacement", "Mesh", "MeshFields", "Phase"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,24 +108,3 @@ class MeshFields:
     particle: int | None
     displacement: Floats
     shear_strain: Floats
-
-
-@contextmanager
-def partial_file(path: Path) -> Iterator[IO[bytes]]:
-    """Write to a file beside ``path`` that takes its name at the end, or vanishes when something goes wrong."""
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    partial = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            yield file
-        partial.chmod(0o666 & ~_umask())
-        partial.replace(path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0o077)
-    os.umask(mask)
-    return mask

@@ -67,7 +67,7 @@ def _write(client: Client, job_id: str, form: str, path: Path) -> None:
     if form == "parquet":
         client.download_evaluations(job_id, path, form="parquet", responses=True)
         return
-    from geoswarm.client.bodies import partial_file
+    from geoswarm.client.files import partial_file
 
     with partial_file(path) as file:
         file.write(b"[")
