@@ -7,6 +7,8 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
+from geoswarm.solver.sentences import SentenceError, setting
+
 __all__ = ["Geometry", "LawSettings", "StepError", "require_stage"]
 
 Geometry: TypeAlias = Annotated[
@@ -36,4 +38,4 @@ def require_stage(zero_at_stage: int, stages: Sequence[object]) -> None:
         It is later than the last one.
     """
     if zero_at_stage > len(stages):
-        raise ValueError(f"zero_at_stage must be from 1 to {len(stages)}, got {zero_at_stage}")
+        raise SentenceError(setting("zero_at_stage"), f" must be from 1 to {len(stages)}, got {zero_at_stage}")
