@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any, TypeAlias
 
-__all__ = ["Key", "Sentence", "parts_json", "plain", "relative", "setting"]
+__all__ = ["Key", "Sentence", "SentenceError", "parts_json", "plain", "relative", "setting"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +33,14 @@ class Key:
 
 
 Sentence: TypeAlias = tuple[str | Key, ...]
+
+
+class SentenceError(ValueError):
+    """What a validator of a section refuses, with the keys that the message names: paths within the section."""
+
+    def __init__(self, *parts: str | Key) -> None:
+        super().__init__(plain(parts))
+        self.sentence: Sentence = parts
 
 
 def setting(path: str, value: str = "") -> Key:

@@ -2,14 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from geoswarm.solver.errors import SolverError
-
-if TYPE_CHECKING:
-    from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
-    from geoswarm.solver.report.document.build import Report
-
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from numbers import Real
@@ -19,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from geoswarm.calibration.folder import opened_folder, write_folder
 from geoswarm.calibration.outlook import Predicted, design, predict
 from geoswarm.calibration.runs import Runs
+from geoswarm.solver.errors import SolverError
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult, EvaluationRecord, GenerationRecord
 from geoswarm.solver.system.extras import has, needs_extra

@@ -22,6 +22,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.laboratory.section import Part
+from geoswarm.solver.sentences import SentenceError, setting
 
 __all__ = ["DrainsSection", "Taken", "equal_strain", "influence"]
 
@@ -86,12 +87,16 @@ class DrainsSection(Part):
             )
         smeared = self.smear_diameter
         if smeared is not None and not self.diameter <= smeared < outer:
-            raise ValueError(
-                f"smear_diameter must be from the diameter of the drain, {self.diameter:g} m, to below that of "
-                f"its ground, {outer:g} m, got {smeared:g} m"
+            raise SentenceError(
+                setting("smear_diameter"),
+                f" must be from the diameter of the drain, {self.diameter:g} m, to below that of "
+                f"its ground, {outer:g} m, got {smeared:g} m",
             )
         if smeared is None and self.smear_ratio != 1.0:
-            raise ValueError(f"smear_ratio must be 1 without smear_diameter, got {self.smear_ratio:g}")
+            raise SentenceError(
+                *(setting("smear_ratio"), " must be 1 without ", setting("smear_diameter")),
+                f", got {self.smear_ratio:g}",
+            )
         return self
 
 

@@ -287,7 +287,7 @@ class ColumnModel:
         if not np.isfinite(state.internal).all():
             raise InfeasibleError(
                 f"{name}: material {soil.law.kind} has no state under {vertical:g} kPa vertical, {horizontal:g} kPa "
-                "horizontal with these parameters; another initial_surcharge or unit_weight, within its range"
+                "horizontal with these parameters; another initial surcharge or unit weight, within its range"
             )
         return state
 

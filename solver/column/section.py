@@ -81,7 +81,7 @@ class SoilSection(Part):
     def _fits_the_law(self) -> SoilSection:
         fault = settings_fault(self.law, self.settings) or ratio_fault(self.law, self.initial_ratio)
         if fault is not None:
-            raise ValueError(fault)
+            raise fault
         return self
 
 
@@ -282,8 +282,8 @@ class ColumnSpec(ForwardModelSpec):
             number = int(np.argmin(least))
             raise ValueError(
                 f"layers: the effective stress before the first stage is {least[number]:.3g} kPa at a depth of "
-                f"{bounds[number]:g} m; above 0 is accepted: a higher initial_surcharge or unit_weight, or a deeper "
-                "water_table"
+                f"{bounds[number]:g} m; above 0 is accepted: a higher initial surcharge or unit weight, or a deeper "
+                "water table"
             )
         require_stage(self.zero_at_stage, self.stages)
         return self

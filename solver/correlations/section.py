@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from geoswarm.solver.correlations.properties import IndexProperties, SoilClass
 from geoswarm.solver.section import Section
+from geoswarm.solver.sentences import SentenceError, setting
 
 __all__ = ["IndexSection"]
 
@@ -61,23 +62,28 @@ class IndexSection(Section):
             value = getattr(self, name)
             if value is not None and not _LEAST <= value <= 3000.0:
                 hint = f"; in per cent this would be {100.0 * value:g}" if 0.0 < value < _LEAST else ""
-                raise ValueError(f"{name} must be from {_LEAST:g} to 3000 %, got {value:g} %{hint}")
+                raise SentenceError(setting(name), f" must be from {_LEAST:g} to 3000 %, got {value:g} %{hint}")
         w_L, w_P, I_P = self.liquid_limit, self.plastic_limit, self.plasticity_index
         if w_L is not None and w_P is not None:
             if not w_L > w_P:
-                raise ValueError(f"liquid_limit must be above plastic_limit = {w_P:g} %, got {w_L:g} %")
+                raise _unlike("liquid_limit", "must be above", "plastic_limit", w_P, w_L, " %")
             if I_P is not None and abs(w_L - w_P - I_P) > 1.0:
-                raise ValueError(
-                    f"plasticity_index must be liquid_limit - plastic_limit = {w_L - w_P:g} %, got {I_P:g} %; "
-                    "leave one of the three out, or correct it"
+                difference = setting("liquid_limit"), " - ", setting("plastic_limit")
+                raise SentenceError(
+                    *(setting("plasticity_index"), " must be ", *difference),
+                    f" = {w_L - w_P:g} %, got {I_P:g} %; leave one of the three out, or correct it",
                 )
         elif w_L is not None and I_P is not None and not w_L > I_P:
-            raise ValueError(f"plasticity_index must be below liquid_limit = {w_L:g} %, got {I_P:g} %")
+            raise _unlike("plasticity_index", "must be below", "liquid_limit", w_L, I_P, " %")
         low, high = self.min_void_ratio, self.max_void_ratio
         if low is not None and high is not None and not low < high:
-            raise ValueError(f"max_void_ratio must be above min_void_ratio = {low:g}, got {high:g}")
+            raise _unlike("max_void_ratio", "must be above", "min_void_ratio", low, high)
         return self
 
     def properties(self) -> IndexProperties:
         """As correlations take them."""
         return IndexProperties(**self.model_dump())
+
+
+def _unlike(key: str, rule: str, other: str, limit: float, given: float, unit: str = "") -> SentenceError:
+    return SentenceError(setting(key), f" {rule} ", setting(other), f" = {limit:g}{unit}, got {given:g}{unit}")

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from abc import ABC
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field
 
 from geoswarm.solver.forward.base import ForwardModelSpec
+from geoswarm.solver.sentences import SentenceError, setting
 from geoswarm.solver.user_laws.material import LawChoice, law_of
 from geoswarm.solver.user_laws.section import UserLawSection
 
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
-
-from collections.abc import Sequence
-from typing import Annotated, Literal, TypeAlias
 
 __all__ = ["Geometry", "LawSettings", "OneMaterialSpec", "StepError", "require_stage"]
 
@@ -47,7 +46,7 @@ def require_stage(zero_at_stage: int, stages: Sequence[object]) -> None:
         It is later than the last one.
     """
     if zero_at_stage > len(stages):
-        raise ValueError(f"zero_at_stage must be from 1 to {len(stages)}, got {zero_at_stage}")
+        raise SentenceError(setting("zero_at_stage"), f" must be from 1 to {len(stages)}, got {zero_at_stage}")
 
 
 class OneMaterialSpec(ForwardModelSpec, ABC):

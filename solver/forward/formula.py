@@ -25,6 +25,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ExpressionError
 from geoswarm.solver.expressions import Expression, parse_expression
 from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.sentences import SentenceError, setting
 
 __all__ = ["FormulaModel", "FormulaSeries", "FormulaSpec"]
 
@@ -58,7 +59,9 @@ class FormulaSeries(BaseModel):
     @model_validator(mode="after")
     def _ordered(self) -> FormulaSeries:
         if self.x_lower is not None and self.x_upper is not None and self.x_lower >= self.x_upper:
-            raise ValueError(f"x_lower {self.x_lower:g} must be below x_upper {self.x_upper:g}")
+            raise SentenceError(
+                *(setting("x_lower"), f" {self.x_lower:g} must be below "), setting("x_upper"), f" {self.x_upper:g}"
+            )
         return self
 
 

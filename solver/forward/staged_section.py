@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.fields import Geometry, OneMaterialSpec, require_stage
+from geoswarm.solver.sentences import SentenceError, setting
 from geoswarm.solver.user_laws.material import LawChoice
 
 if TYPE_CHECKING:
@@ -146,20 +147,25 @@ class StagedLoadSpec(OneMaterialSpec, ABC):
         if self.OCR is not None and self.POP is not None:
             raise ValueError(f"OCR = {self.OCR:g} and POP = {self.POP:g} kPa are both given; give only one of them")
         if self.discretization == "material_point" and (self.unit_weight is not None or self.mesh is not None):
-            raise ValueError("unit_weight and mesh are of a specimen with discretization: finite_element")
+            raise SentenceError(
+                *(setting("unit_weight"), " and ", setting("mesh"), " are of a specimen with "),
+                setting("discretization", "finite_element"),
+            )
         require_stage(self.zero_at_stage, self.stages)
         fault = self._missing()
         if fault is not None:
-            raise ValueError(fault)
+            raise fault
         return self
 
-    def _missing(self) -> str | None:
+    def _missing(self) -> SentenceError | None:
         """What the law lacks for this test, or what is given that it does not have, in words."""
         law = self.law
         if self.components not in law.components:
-            return f"material {law.kind} has no stress update for discretization: {self.discretization}"
+            return SentenceError(
+                f"material {law.kind} has no stress update for ", setting("discretization", self.discretization)
+            )
         names = {info.name for info in law.parameters} | {one.name for one in law.settings}
         for name in ("OCR", "POP", "formulation", "tension_cutoff"):
             if name not in names and getattr(self, name) != type(self).model_fields[name].default:
-                return f"{name} is given, which material {law.kind} does not have"
+                return SentenceError(setting(name), f" is given, which material {law.kind} does not have")
         return None

@@ -171,7 +171,7 @@ class LaboratoryModel(ABC):
         if not np.isfinite(state.internal).all():
             raise InfeasibleError(
                 f"initial stress = {normal[1]:g} kPa vertical, {normal[0]:g} kPa horizontal: material "
-                f"{soil.law.kind} has no state under it with these parameters; another initial_stress, within its range"
+                f"{soil.law.kind} has no state under it with these parameters; another initial stress, within its range"
             )
         return state
 

@@ -69,7 +69,7 @@ def no_voids(stage: str, initial: float, share: float, of: str = "") -> Infeasib
     """What is said where a loss of volume, over that at the beginning, leaves no voids."""
     return InfeasibleError(
         f"stage {stage}: the void ratio{of} falls to {initial - (1.0 + initial) * share:.3g}; above 0 is accepted: a "
-        f"higher initial_void_ratio than {initial:g}, or a stiffer soil"
+        f"higher initial void ratio than {initial:g}, or a stiffer soil"
     )
 
 

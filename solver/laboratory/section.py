@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.forward.fields import Geometry, LawSettings, OneMaterialSpec, StepError
 from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STRESS
+from geoswarm.solver.sentences import Key, SentenceError, setting
 
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
@@ -40,8 +41,9 @@ class Loading(Part):
     @model_validator(mode="after")
     def _load_within_the_stage(self) -> Loading:
         if self.loading_time > self.duration:
-            raise ValueError(
-                f"loading_time must be at most the duration, {self.duration:g} day, got {self.loading_time:g} day"
+            raise SentenceError(
+                setting("loading_time"),
+                f" must be at most the duration, {self.duration:g} day, got {self.loading_time:g} day",
             )
         return self
 
@@ -79,7 +81,7 @@ class LaboratorySpec(OneMaterialSpec, ABC):
     def _fits_the_law(self) -> LaboratorySpec:
         fault = settings_fault(self.law, self.settings) or ratio_fault(self.law, self.initial_ratio)
         if fault is not None:
-            raise ValueError(fault)
+            raise fault
         return self
 
     @property
@@ -139,27 +141,27 @@ def exactly_one(part: BaseModel, *names: str) -> str:
     return given[0]
 
 
-def settings_fault(law: Law, settings: Mapping[str, str | float | None]) -> str | None:
+def settings_fault(law: Law, settings: Mapping[str, str | float | None]) -> SentenceError | None:
     """What is wrong with the settings given for a law, in words, or None."""
     known = {one.name: one for one in law.settings}
     for name, value in settings.items():
-        one = known.get(name)
+        one, key = known.get(name), Key(f"settings.{name}", f"settings.{name}")
         if one is None:
             names = ", ".join(known) if known else "it has none"
-            return f"settings.{name}: material {law.kind} has no such setting; known: {names}"
+            return SentenceError(key, f": material {law.kind} has no such setting; known: {names}")
         if one.choices and value not in one.choices:
-            return f"settings.{name} must be one of {', '.join(one.choices)}, got {value!r}"
+            return SentenceError(key, f" must be one of {', '.join(one.choices)}, got {value!r}")
         if not one.choices and isinstance(value, str):
-            return f"settings.{name} must be a number of at least {one.lower:g}, got {value!r}"
+            return SentenceError(key, f" must be a number of at least {one.lower:g}, got {value!r}")
         if not one.choices and isinstance(value, float) and value < one.lower:
-            return f"settings.{name} must be at least {one.lower:g}, got {value:g} {one.unit}"
+            return SentenceError(key, f" must be at least {one.lower:g}, got {value:g} {one.unit}")
     return None
 
 
-def ratio_fault(law: Law, ratio: float | str) -> str | None:
+def ratio_fault(law: Law, ratio: float | str) -> SentenceError | None:
     """What is wrong with the ratio of stresses under which soil of a law is placed, in words, or None."""
     if isinstance(ratio, float) and not 0.0 < ratio <= 100.0:
-        return f"initial_ratio must be above 0 and at most 100, or K0; got {ratio:g}"
+        return SentenceError(setting("initial_ratio"), f" must be above 0 and at most 100, or K0; got {ratio:g}")
     if ratio == "K0" and not law.knows_K0:
-        return f"initial_ratio must be a number, got K0: material {law.kind} has no K0"
+        return SentenceError(setting("initial_ratio"), f" must be a number, got K0: material {law.kind} has no K0")
     return None

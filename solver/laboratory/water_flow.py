@@ -103,7 +103,7 @@ def flow_fault(law: Law, parameters: Mapping[str, float], knows_voids: bool) -> 
     """What is inadmissible about the parameters given, of a law and of the flow in a specimen, or None."""
     fault = outside_limits(FLOW, parameters)
     if fault is None and parameters.get("C_k", 0.0) > 0.0 and not knows_voids:
-        fault = f"C_k needs initial_void_ratio; where that is not given C_k must be 0, got {parameters['C_k']:g}"
+        fault = f"C_k needs the initial void ratio; where that is not given C_k must be 0, got {parameters['C_k']:g}"
     own = {info.name for info in FLOW}
     return fault or law.inadmissible({name: one for name, one in parameters.items() if name not in own})
 

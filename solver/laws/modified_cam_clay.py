@@ -232,7 +232,7 @@ class ModifiedCamClay(Law):
             if not given[one] and not given[other]:
                 raise InfeasibleError(f"give exactly one of {one} and {other}, a value above 0")
         if given["specific_volume"] == "initial" and not given["e0"]:
-            raise InfeasibleError("specific_volume: initial needs e0; N is not accepted with it")
+            raise InfeasibleError("an initial specific volume needs e0; N is not accepted with it")
         sine = math.sin(math.radians(given["phi_cs"]))
         nu = given["nu"]
         return np.array(

@@ -13,6 +13,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.methods.widths import NEXT, Next, Situation
 from geoswarm.solver.section import Section
+from geoswarm.solver.sentences import setting
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem, Stopping
@@ -185,8 +186,8 @@ class SearchMethod(Method):
         """It needs a criterion, and a generation must fit."""
         least, name = self.least
         if stopping.is_empty:
-            criteria = ", ".join(type(stopping).model_fields)
-            return [Issue("stopping", f"a {self.title} needs at least one criterion: {criteria}")]
+            criteria = [part for key in type(stopping).model_fields for part in (", ", setting(f"stopping.{key}"))]
+            return [Issue.about("stopping", (f"a {self.title} needs at least one criterion: ", *criteria[1:]))]
         most = stopping.max_evaluations
         if most is not None and most < least:
             message = f"must be at least the number of {name} ({least}), got {most}"

@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.methods.base import Maker, SearchMethod, Task
 from geoswarm.solver.methods.widths import Next, Situation, overlapping, wide, worth_overlapping
+from geoswarm.solver.sentences import SentenceError, setting
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -79,7 +80,9 @@ class ParticleSwarmMethod(SearchMethod):
     @classmethod
     def _only_with_its_form(cls, value: float | None, info: Any) -> float | None:
         if value is not None and info.data.get("form") == "constriction":
-            raise PydanticCustomError("form", "only used with form: inertia_weight; leave it out or set form")
+            raise SentenceError(
+                *("only used with ", setting("form", "inertia_weight"), "; leave it out or set ", setting("form"))
+            )
         return value
 
     @field_validator("acceleration")
@@ -93,13 +96,13 @@ class ParticleSwarmMethod(SearchMethod):
     @classmethod
     def _only_accelerated(cls, value: bool, info: Any) -> bool:
         if value and info.data.get("acceleration") == "none":
-            raise PydanticCustomError("polish", "needs the stored responses of acceleration: response_surface")
+            raise SentenceError("needs the stored responses of ", setting("acceleration", "response_surface"))
         return value
 
     @model_validator(mode="after")
     def _overlap_is_aimed(self) -> ParticleSwarmMethod:
         if self.overlap and not self._can_overlap:
-            raise PydanticCustomError("overlap", "needs acceleration: response_surface, and no polish")
+            raise SentenceError("needs ", setting("acceleration", "response_surface"), ", and no ", setting("polish"))
         return self
 
     @model_validator(mode="after")
@@ -108,10 +111,9 @@ class ParticleSwarmMethod(SearchMethod):
             cognitive = 2.05 if self.cognitive_coefficient is None else self.cognitive_coefficient
             social = 2.05 if self.social_coefficient is None else self.social_coefficient
             if not cognitive + social > 4:
-                raise PydanticCustomError(
-                    "constriction",
-                    "form constriction needs cognitive_coefficient + social_coefficient above 4, got {total}",
-                    {"total": f"{cognitive + social:g}"},
+                raise SentenceError(
+                    *("form constriction needs ", setting("cognitive_coefficient"), " + "),
+                    *(setting("social_coefficient"), f" above 4, got {cognitive + social:g}"),
                 )
         return self
 

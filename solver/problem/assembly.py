@@ -276,7 +276,7 @@ class _Assembly:
                 parameters[name] = parameter
         complete = bool(sections) and len(self.issues) == before
         if complete and not any(isinstance(p, FreeParameter) for p in parameters.values()):
-            self._report("parameters", "none is free; give at least one of them lower and upper")
+            self._report("parameters", "none is free; give at least one of them a lower and an upper bound")
         return parameters, complete
 
     def _form(self, section: Any, path: str) -> type[ParameterSection] | None:

@@ -14,6 +14,7 @@ from pydantic_core import ErrorDetails
 
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.registry import find_spec
+from geoswarm.solver.sentences import SentenceError
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["describe", "issues_of", "join_path", "number", "validated"]
@@ -74,8 +75,14 @@ def issues_of(error: ValidationError, section: Any, path: str, schema: Callable[
             return [*found, Issue(path, f"{len(details) - place} more mistakes like these")]
         steps = _steps(detail, section)
         around = steps if detail["type"] in _MAPPINGS else steps[:-1]
-        message = _message(detail, partial(_accepted_keys, schema, section, around))
-        found[Issue(join_path(path, steps), message)] = None
+        refused = detail.get("ctx", {}).get("error")
+        if isinstance(refused, SentenceError):
+            of_section = isinstance(detail["input"], Mapping)  # else of a field, the keys are beside it
+            within = join_path(path, steps if of_section else steps[:-1])
+            issue = Issue.about(join_path(path, steps), refused.sentence, f"{within}." if within else "")
+        else:
+            issue = Issue(join_path(path, steps), _message(detail, partial(_accepted_keys, schema, section, around)))
+        found[issue] = None
     return list(found)
 
 

@@ -14,6 +14,7 @@ from geoswarm.solver.problem.readings.zero import ZeroReading
 from geoswarm.solver.problem.tables.dates import DateForm, moment_in
 from geoswarm.solver.problem.tables.numerals import DecimalSign
 from geoswarm.solver.section import Section
+from geoswarm.solver.sentences import SentenceError, setting
 
 __all__ = ["ObservationSection", "PointsSection"]
 
@@ -229,17 +230,14 @@ class ObservationSection(Section):
         if any(staged) and not all(staged):
             raise PydanticCustomError("blocks", "some blocks have a stage and others none; give it to all of them")
         if any(staged) and (self.x_origin is not None or self.x_factor != 1.0):
-            raise PydanticCustomError(
-                "blocks", "x of blocks with stage is time since its load: leave out x_origin, x_factor"
-            )
+            keys = setting("x_origin"), ", ", setting("x_factor")
+            raise SentenceError("x of blocks with stage is time since its load: leave out ", *keys)
         if self.loss is None and self.loss_scale is not None:
-            raise PydanticCustomError(
-                "loss", "loss_scale is that of a loss: give loss as well (soft_l1, huber, cauchy)"
-            )
+            loss = " is that of a loss: give ", setting("loss"), " as well (soft_l1, huber, cauchy)"
+            raise SentenceError(setting("loss_scale"), *loss)
         if self.loss is not None and self.loss_scale is None and self.error is None:
-            raise PydanticCustomError(
-                "loss", "loss: {loss} needs a scale; give loss_scale, or the error of a reading", {"loss": self.loss}
-            )
+            scale = " needs a scale; give ", setting("loss_scale"), ", or the ", setting("error"), " of a reading"
+            raise SentenceError(setting("loss", self.loss), *scale)
         columns = [name for name in _OF_A_FILE if getattr(self, name) is not None]
         if self.file is None and columns:
             raise PydanticCustomError(

@@ -19,7 +19,7 @@ from geoswarm.solver.problem.points import Points
 from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
-from geoswarm.solver.sentences import Sentence, setting
+from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import UnitError, convert, shown_unit
 from geoswarm.solver.words import did_you_mean
 
@@ -163,11 +163,10 @@ def build_observations(
             issues.append(Issue(f"{path}.series", message))
             continue
         if name in seen:
-            message = (
-                f"series '{name}' is already given at {seen[name]}; put all its points there, or model a second "
-                "specimen as a further part of kind: combined"
-            )
-            issues.append(Issue(f"{path}.series", message))
+            there = Key(seen[name], seen[name], "another measurement")
+            combined = setting("forward_model.kind", "combined")
+            twice = f"series '{name}' is already given at ", there, "; put all its points there, or model a second "
+            issues.append(Issue.about(f"{path}.series", (*twice, "specimen as a further part of ", combined)))
             continue
         seen[name] = path
         observation, found = _build(path, section, points, infos[name], spec)

@@ -145,7 +145,7 @@ def _bound_mistakes(path: str, section: FreeSection) -> list[Issue]:
     if section.integer:
         given = (("lower", lower), ("upper", upper), ("initial", initial))
         issues += [
-            Issue(f"{path}.{key}", f"must be a whole number (integer: true), got {number(value)}")
+            Issue(f"{path}.{key}", f"must be a whole number, got {number(value)}")
             for key, value in given
             if value is not None and not value.is_integer()
         ]

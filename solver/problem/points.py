@@ -28,7 +28,7 @@ from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document
-from geoswarm.solver.sentences import relative
+from geoswarm.solver.sentences import Key, relative
 from geoswarm.solver.units import UnitError, convert
 
 __all__ = [
@@ -146,10 +146,8 @@ def read_points(
         return (points, issues) if issues else _prepared(points, section, path, spec)
     assert section.file is not None
     if folder is None:
-        message = (
-            "files can only be read beside a problem file; give the points themselves (points: {x: [..], y: [..]})"
-        )
-        return None, [Issue(f"{path}.file", message)]
+        key = Key("files", "give the points themselves (points: {x: [..], y: [..]})", "readings")
+        return None, [Issue.about(f"{path}.file", ("files can only be read beside a problem file; ", key))]
     file = folder / section.file
     try:
         content = file_content(file)

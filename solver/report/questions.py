@@ -236,7 +236,7 @@ def design_question(
     if not 0 <= draws <= MOST_DRAWS:
         raise StatisticsError(f"draws must be from 0 to {MOST_DRAWS}, got {draws}")
     if criterion == "prediction" and predict is None:
-        raise StatisticsError("criterion prediction needs what is to be predicted: give a problem (--predict)")
+        raise StatisticsError("criterion prediction needs the problem that is to be predicted (predict)")
     known = known_of(report, noise)
     found, seed = known.linearisation, report.record.seed
     assert found.noise is not None  # or its basins would have no shape

@@ -82,5 +82,5 @@ def test_what_the_model_assumes_is_told(app: App) -> None:
         observations=[{"series": "q", "points": {"x": [0.01], "y": [40.0]}}],
     )
     (sentence,) = app.post(f"{API}/problems/check", json=problem).json()["assumptions"]
-    assert sentence.startswith("water_bulk_modulus is not given, so the pore water is rigid")
+    assert sentence.startswith("The bulk modulus of water is not given, so pore water is rigid")
     assert app.post(f"{API}/problems/check", json=line_problem()).json()["assumptions"] == []

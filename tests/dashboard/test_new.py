@@ -228,6 +228,10 @@ def test_mistakes_appear_where_they_are_while_one_types(embedded: Site, visit: V
     check_accessibility(page)
     page.get_by_role("button", name="Start the job").click()
     expect(page.locator("#check-body [role=alert]")).to_contain_text("One thing is missing or wrong")
+    yaml = page.locator("#yaml")
+    swarm = "method: {kind: particle_swarm, form: constriction, social_coefficient: 1}\n"
+    yaml.fill(re.sub(r"^method:.*\n", swarm, yaml.input_value(), flags=re.MULTILINE))
+    expect(page.locator('[data-error="method"]')).to_contain_text("“Cognitive coefficient” + “Social coefficient”")
     assert page.url.endswith("/new?example=oedometer")
 
 

@@ -274,7 +274,7 @@ def test_the_state_where_it_is_placed() -> None:
         ({"nu": NU, "OCR": 2.0, "POP": 10.0}, "OCR = 2 and POP = 10 are given; give only one of them"),
         ({"nu": NU, "OCR": 2.0, "p_c": 300.0}, "OCR = 2 and p_c = 300 are given"),
         ({"nu": NU, "e0": -0.1}, "e0 must be at least 0, got -0.1"),
-        ({"nu": NU, "e0": 0.0, "N": 3.0, "specific_volume": "initial"}, "specific_volume: initial needs e0"),
+        ({"nu": NU, "e0": 0.0, "N": 3.0, "specific_volume": "initial"}, "an initial specific volume needs e0"),
     ],
 )
 def test_what_does_not_fit_together_is_told(values: dict[str, Any], message: str) -> None:

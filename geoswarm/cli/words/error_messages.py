@@ -10,29 +10,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from geoswarm.solver.external.trial import TrialRun
-
-from typing import TYPE_CHECKING
-
-from geoswarm.cli.words.output import note
-
-if TYPE_CHECKING:
-    from geoswarm.solver.problem import Problem
-
 import errno
 import os
 import secrets
 import sys
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import click
 
+from geoswarm.cli.words.output import note
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.sentences import Key, plain
 from geoswarm.solver.words import visible
+
+if TYPE_CHECKING:
+    from geoswarm.solver.external.trial import TrialRun
+    from geoswarm.solver.problem import Problem
 
 __all__ = [
     "BAD_INPUT",

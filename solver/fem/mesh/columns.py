@@ -205,8 +205,8 @@ def _counts(geometry: SectionGeometry, element_length: Profile, marks: FloatArra
     if not elements <= MAX_ELEMENTS:
         shortest = float(element_length.y.min())
         raise MeshError(
-            f"element_length, {shortest:g} m at its shortest, and the rows of the layers give {elements:.3g} elements; "
-            f"at most {MAX_ELEMENTS} are accepted"
+            f"the element length, {shortest:g} m at its shortest, and the rows of the layers give {elements:.3g} "
+            f"elements; at most {MAX_ELEMENTS} are accepted"
         )
     return [round(count) for count in wanted]
 

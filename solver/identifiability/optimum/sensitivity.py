@@ -177,8 +177,8 @@ def _check_scales(pseudo: PseudoReadings) -> None:
     beyond = [o.series for o in pseudo.observed if o.loss is not None and pseudo.slopes[o.series] <= LEAST_SLOPE]
     if beyond:
         raise StatisticsError(
-            f"too many residuals of {', '.join(beyond)} lie beyond loss_scale for a linearisation; give a loss_scale "
-            "nearer to the scatter of the readings"
+            f"too many residuals of {', '.join(beyond)} lie beyond the scale of the loss for a linearisation; give a "
+            "scale nearer to the scatter of the readings"
         )
 
 

@@ -216,7 +216,7 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
         worst = max(one.end_error for one in series)
         remarks.append(
             f"the ends of the band of {', '.join(loose)} are known to {per_cent(worst)} of its width only, by two "
-            "halves of the runs; more runs (--runs) sharpen them"
+            "halves of the runs; more runs sharpen them"
         )
     curved = [one.series for one in series if one.straight < _BENT]
     if curved:

@@ -15,6 +15,7 @@ from geoswarm.solver.laboratory.pace import Hold
 from geoswarm.solver.laboratory.section import FlowSpec, Part, exactly_one
 from geoswarm.solver.laboratory.shear_drawing import is_timed
 from geoswarm.solver.laboratory.shear_stages import ShearStage
+from geoswarm.solver.sentences import Key, SentenceError
 from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import movement_panels
 
@@ -107,10 +108,9 @@ class CrsOedometerSpec(FlowSpec):
         for number, stage in enumerate(self.stages):
             if isinstance(stage, CrsMovement):
                 if stage.axial_strain == before:
-                    raise ValueError(
-                        f"stages[{number}].axial_strain = {before:g}: the stage before ends there; another value is "
-                        "accepted, or a stage of kind hold"
-                    )
+                    strain = f"stages[{number}].axial_strain"
+                    end = f" = {before:g}: the stage before ends there; another value is accepted, or "
+                    raise SentenceError(Key(strain, strain), end, "a stage of kind hold")
                 before = stage.axial_strain
             elif stage.keep == "stress":
                 before = None

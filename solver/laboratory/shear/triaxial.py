@@ -15,6 +15,7 @@ from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pac
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
 from geoswarm.solver.laboratory.shear_drawing import is_timed, over_strain, shear_modulus_diagram
 from geoswarm.solver.laws.initial_state import knows_voids
+from geoswarm.solver.sentences import SentenceError, setting
 from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import load_panel, movement_panels
 
@@ -184,11 +185,19 @@ class TriaxialSpec(LaboratorySpec):
     def _consistent(self) -> TriaxialSpec:
         undrained = any(self.is_undrained(stage) for stage in self.shearing)
         if self.water_bulk_modulus is not None and not undrained:
-            raise ValueError("water_bulk_modulus is given, but no stage of shearing is undrained; leave it out")
+            raise SentenceError(
+                setting("water_bulk_modulus"), " is given, but no stage of shearing is undrained; leave it out"
+            )
         if self.water_bulk_modulus is not None and not knows_voids(self.law, self.initial_void_ratio):
-            raise ValueError(
-                "initial_void_ratio is missing: with water_bulk_modulus the porosity gives the stiffness of the water; "
-                "a value above 0 is accepted, or leave water_bulk_modulus out for rigid water"
+            water = setting("water_bulk_modulus")
+            raise SentenceError(
+                *(
+                    setting("initial_void_ratio"),
+                    " is missing: with ",
+                    water,
+                    " the porosity gives the stiffness of the ",
+                ),
+                *("water; a value above 0 is accepted, or leave ", water, " out for rigid water"),
             )
         require_pace(self.law, self.shearing)
         return self
@@ -199,8 +208,8 @@ class TriaxialSpec(LaboratorySpec):
         if self.water_bulk_modulus is not None or not any(self.is_undrained(stage) for stage in self.shearing):
             return ()
         return (
-            "water_bulk_modulus is not given, so the pore water is rigid and undrained shearing keeps the volume, as "
-            "in a saturated specimen; give it, above 0 kPa, with initial_void_ratio where B was clearly below 1.",
+            "The bulk modulus of water is not given, so pore water is rigid and undrained shearing keeps the volume, "
+            "as in a saturated specimen; give it, above 0 kPa, with the void ratio where B was clearly below 1.",
         )
 
     def sketch(self) -> Sketch:

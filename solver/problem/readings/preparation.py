@@ -7,14 +7,13 @@ from typing import Literal
 
 import numpy as np
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.readings.zero import ZeroReading, zero_reading
 from geoswarm.solver.problem.stages import AT_LOAD, at_load, stage_of
 from geoswarm.solver.section import Section
-from geoswarm.solver.sentences import Key, plain
+from geoswarm.solver.sentences import Key, SentenceError, plain, setting
 
 __all__ = [
     "MANY_POINTS",
@@ -45,7 +44,8 @@ class Resample(Section):
     @model_validator(mode="after")
     def _one_way(self) -> Resample:
         if (self.per_decade is None) == (self.every is None):
-            raise PydanticCustomError("resample", "give either per_decade or every: {{per_decade: 20}}")
+            ways = setting("per_decade"), " or ", setting("every"), ", for example ", setting("per_decade", "20")
+            raise SentenceError("give either ", *ways)
         return self
 
     def in_words(self) -> str:

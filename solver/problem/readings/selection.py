@@ -11,6 +11,7 @@ from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.stages import stage_of, stage_times
+from geoswarm.solver.sentences import setting
 from geoswarm.solver.units import convert
 
 if TYPE_CHECKING:
@@ -40,7 +41,8 @@ def chosen_points(
     chosen, late = np.ones((2, len(x)), dtype=np.bool_)
     low, high = section.x_from, section.x_to
     if low is not None and high is not None and low > high:
-        return chosen, ~late, [Issue(f"{path}.x_to", f"{number(high)} is below x_from, {number(low)}")]
+        below = f"{number(high)} is below ", setting(f"{path}.x_from"), f", {number(low)}"
+        return chosen, ~late, [Issue.about(f"{path}.x_to", below)]
     if low is not None or high is not None:
         given = x if unit is None else convert(x, info.x_unit, unit)
         slack = 1e-9 * float(np.abs(given).max(initial=0.0))
@@ -54,8 +56,9 @@ def chosen_points(
         elif starts.size:
             stages = stage_of(x, starts)
         else:
+            instead = setting(f"{path}.x_from"), " and ", setting(f"{path}.x_to")
             why = f"series '{section.series}' does not run over the time of a test in stages"
-            return chosen, ~late, [Issue(f"{path}.{staged}", f"{why}; use x_from and x_to")]
+            return chosen, ~late, [Issue.about(f"{path}.{staged}", (f"{why}; use ", *instead))]
         if section.stage_x_from is not None:
             since = x - starts[stages - 1]
             least = section.stage_x_from

@@ -6,11 +6,11 @@ from typing import Literal
 
 import numpy as np
 from pydantic import model_validator
-from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.section import Section
+from geoswarm.solver.sentences import SentenceError, setting
 
 __all__ = ["ZeroReading", "zero_reading"]
 
@@ -24,7 +24,9 @@ class ZeroReading(Section):
     @model_validator(mode="after")
     def _one_way(self) -> ZeroReading:
         if (self.x is None) == (self.y is None):
-            raise PydanticCustomError("zero", "give first, or either x or y: {{x: 0.5}} or {{y: 12.31}}")
+            raise SentenceError(
+                "give first, or either ", setting("x"), " or ", setting("y"), ", for example ", setting("y", "12.31")
+            )
         return self
 
 

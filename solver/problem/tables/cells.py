@@ -26,6 +26,7 @@ from geoswarm.solver.problem.tables.reading import (
     table_rows,
 )
 from geoswarm.solver.problem.tables.workbooks import read_workbook
+from geoswarm.solver.sentences import Key
 from geoswarm.solver.units import convert
 
 _SUMMARY = re.compile(
@@ -135,9 +136,8 @@ def read_cells(
     if "\0" in text:
         raise TableError(f"{name} is neither text (CSV) nor a workbook (XLSX, ODS)")
     if text.lstrip().startswith('"GROUP"'):
-        raise TableError(
-            f"{name} is an AGS file, which is not a table; geoswarm import ags {name} makes a problem of it"
-        )
+        problem = Key("files", f"geoswarm import ags {name} makes a problem of it", "ags")
+        raise TableError((f"{name} is an AGS file, which is not a table; ", problem))
     if sheet is not None:
         raise TableError(f"{name} is not a workbook, so it has no sheet '{sheet}'")
     comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))

@@ -14,6 +14,7 @@ from geoswarm.solver.problem.tables.cells import file_content, number_in, read_c
 from geoswarm.solver.problem.tables.headings import guess_unit
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.test_table.section import SpecimenRow, SpecimenTable, TestKind
+from geoswarm.solver.sentences import Key
 from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import listed
 
@@ -23,8 +24,13 @@ Files: TypeAlias = Path | Mapping[str, bytes] | None
 """Where files are: a folder, what was sent by name, or nowhere (problems that came over the network)."""
 
 FILES_REFUSED = (
-    "files can only be read beside a problem file; geoswarm inline PROBLEM writes the problem with its readings "
-    "inside; POST /api/v1/problems/tests makes it of files that are sent"
+    "files can only be read beside a problem file; ",
+    Key(
+        "files",
+        "geoswarm inline PROBLEM writes the problem with its readings inside; POST /api/v1/problems/tests makes it of "
+        "files that are sent",
+        "tests",
+    ),
 )
 _MOST_ROWS = 100
 _KINDS: dict[str, tuple[str, str | None]] = {

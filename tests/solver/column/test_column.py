@@ -161,7 +161,7 @@ def test_drains_are_no_name_of_a_soil() -> None:
     ("changes", "message"),
     [
         ({"clay.k": 0.0}, "clay: k must be above 0, got 0 m/day"),
-        ({"crust.C_k": 0.5}, "crust: C_k needs initial_void_ratio; where that is not given C_k must be 0, got 0.5"),
+        ({"crust.C_k": 0.5}, "crust: C_k needs the initial void ratio; where that is not given C_k must be 0, got 0.5"),
         ({"crust.nu": 0.6}, "crust: nu must be "),
         ({"clay.k_ratio": 0.0}, "clay: k_ratio must be above 0"),
         ({"drains.smear_ratio": 0.0}, "drains: smear_ratio must be above 0"),

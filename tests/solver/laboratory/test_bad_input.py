@@ -143,8 +143,8 @@ def test_drained_and_undrained_creep_run_to_their_strength() -> None:
 def test_rigid_water_is_an_assumption_that_is_told() -> None:
     silent = triaxial("elastic", STRAIN, drainage="undrained")
     (sentence,) = silent.assumptions
-    assert sentence.startswith("water_bulk_modulus is not given, so the pore water is rigid")
-    assert "above 0 kPa, with initial_void_ratio" in sentence
+    assert sentence.startswith("The bulk modulus of water is not given, so pore water is rigid")
+    assert "above 0 kPa, with the void ratio" in sentence
     told = triaxial("elastic", STRAIN, drainage="undrained", water_bulk_modulus=2.2e6, initial_void_ratio=0.8)
     drained = triaxial("elastic", STRAIN)
     assert told.assumptions == drained.assumptions == ()

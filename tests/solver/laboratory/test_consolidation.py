@@ -106,7 +106,7 @@ def test_sections_that_cannot_be_are_refused(changes: dict[str, Any], message: s
     ("changes", "message"),
     [
         ({"k": 0.0}, r"k must be above 0, got 0 m/day"),
-        ({"C_k": 0.5}, r"C_k needs initial_void_ratio; where that is not given C_k must be 0, got 0.5"),
+        ({"C_k": 0.5}, r"C_k needs the initial void ratio; where that is not given C_k must be 0, got 0.5"),
         ({"nu": 0.6}, "nu must be "),
     ],
 )

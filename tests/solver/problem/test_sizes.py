@@ -45,7 +45,7 @@ def test_elements_are_counted_before_the_mesh_is_made(slope: dict[str, Any], len
     wanted["forward_model"]["element_length"] = length
     began = time.thread_time()
     with pytest.raises(
-        ProblemError, match=f"element_length, .* m .* {elements}.* elements; at most 100000 are accepted"
+        ProblemError, match=f"element length, .* m .* {elements}.* elements; at most 100000 are accepted"
     ):
         parse_problem(wanted)
     assert time.thread_time() - began < 2.0

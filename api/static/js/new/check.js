@@ -4,7 +4,7 @@ import { count, duration, number, objectiveUnit, percent, symbol, withUnit } fro
 import { post } from "../http.js";
 import { forget } from "./draft.js";
 import { pointsPlot } from "./points_plot.js";
-import { messageOf, worded } from "./words.js";
+import { messageOf, placeOf, worded } from "./words.js";
 
 const PLACEHOLDER = "The check makes one forward calculation with the estimates (or the middle of the bounds), shows it against the data and estimates the cost.";
 
@@ -30,7 +30,7 @@ export function checkSection(context, place, judged) {
       await act(answer);
       connection(null);
     } catch (error) {
-      exchange(result, failure(error), error.issues?.length ? element("ul", {}, error.issues.map((one) => element("li", {}, `${one.path}: ${messageOf(one)}`))) : null);
+      exchange(result, failure(error), error.issues?.length ? element("ul", {}, error.issues.map((one) => element("li", {}, `${placeOf(one.path)}: ${messageOf(one)}`))) : null);
     }
   }
 

@@ -3,6 +3,7 @@ import { element } from "../dom.js";
 import { number } from "../format.js";
 import { pathText } from "./draft.js";
 import { valueWithUnit } from "./units.js";
+import { placeOf } from "./words.js";
 
 /** Id of the input of a path. */
 export const idOf = (path) => `f-${pathText(path).replace(/[^\w]/g, "-")}`;
@@ -150,7 +151,7 @@ export function showIssues(root, issues, strict) {
     while (path && !places.has(path)) path = path.slice(0, Math.max(path.lastIndexOf("."), path.lastIndexOf("["), 0));
     const place = places.get(path);
     if (!place) continue;
-    const rest = path === issue.path ? "" : `${issue.path.slice(path.length).replace(/^\./, "")}: `;
+    const rest = path === issue.path ? "" : `${placeOf(issue.path.slice(path.length).replace(/^\./, ""))}: `;
     place.textContent += `${place.textContent ? "\n" : ""}${rest}${issue.message}`;
     root.querySelector(`[data-path="${CSS.escape(path)}"]`)?.setAttribute("aria-invalid", "true");
   }

@@ -1,10 +1,10 @@
 // A form for a part of the draft, made from its JSON schema.
 import { element, exchange } from "../dom.js";
-import { symbol } from "../format.js";
 import { clone, pathText } from "./draft.js";
 import { checkbox, errorPlace, field, idOf } from "./fields.js";
 import { table } from "./table.js";
 import { words } from "./schema.js";
+import { labelOf } from "./words.js";
 
 /**
  * The inputs of an object: needed ones first, the others folded away. `skip` names keys that are left out, `lead` optional
@@ -51,13 +51,6 @@ export function anyField(context, path, given, { label, required = false, bare =
     default:
       return field(draft, path, { ...about, kind: "json", wide: true, help: `${about.help ?? ""} Written as JSON.`.trim() });
   }
-}
-
-/** A key of the problem file as the label of its input. */
-export function labelOf(key) {
-  const known = symbol(key);
-  if (known !== key || key.length < 3) return known;
-  return (key[0].toUpperCase() + words(key.slice(1))).replace(/^Crs\b/, "CRS");
 }
 
 export function sentence(text) {

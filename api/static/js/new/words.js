@@ -1,10 +1,29 @@
 // Sentences that name keys of the problem, in the words of this form: labels of its fields.
-import { labelOf } from "./schema_form.js";
+import { symbol } from "../format.js";
+import { words } from "./schema.js";
 
 const TICKED = ["true", "leave_out"]; // what a box gives that is ticked
+// What to do about a file that only a problem file can name.
+const FILES = { readings: "drop the file under Measurements", tests: "“Add tests from a table” takes the table and its files", ags: "drop it under Measurements, alone" };
+
+/** A key of the problem file as the label of its input. */
+export function labelOf(key) {
+  const known = symbol(key);
+  if (known !== key || key.length < 3) return known;
+  return (key[0].toUpperCase() + words(key.slice(1))).replace(/^Crs\b/, "CRS");
+}
+
+/** A path as labels: “Stages” 2, “Stress”. */
+export function placeOf(path) {
+  return path.split(".").map((step) => {
+    const [key, ...places] = step.split(/[[\], ]+/);
+    return [key && `“${labelOf(key)}”`, ...places.filter(Boolean).map((i) => Number(i) + 1)].filter(Boolean).join(" ");
+  }).join(", ");
+}
 
 /** The words of a key. `label(path)`: of a field that is not one of the draft. */
 function named({ path, value }, label) {
+  if (path === "files") return FILES[value];
   if (path === "accept") return `“The readings of ${value} are meant as they are”`;
   if (/^observations\[\d+\]$/.test(path)) return value;
   const input = document.querySelector(`[data-path="${CSS.escape(path)}"]`);

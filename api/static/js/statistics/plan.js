@@ -3,6 +3,7 @@ import { affordable, costWords } from "../costs.js";
 import { element, exchange, once } from "../dom.js";
 import { count, duration, number, symbol } from "../format.js";
 import { get, post } from "../http.js";
+import { messageOf, placeOf } from "../new/words.js";
 
 const WORDS = { fixed: "fixed", linked: "linked", widened: "bounds changed" };
 
@@ -121,6 +122,6 @@ export class Plan {
   }
 
   refused(error) {
-    this.message.textContent = error.issues.length ? error.issues.map(({ path, message }) => `${path}: ${message}`).join("\n") : error.message;
+    this.message.textContent = error.issues.length ? error.issues.map((one) => `${placeOf(one.path)}: ${messageOf(one)}`).join("\n") : error.message;
   }
 }
