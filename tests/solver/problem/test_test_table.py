@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.estimates.proposal import with_parameters
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.solver.problem.draft import inlined_document
 
@@ -207,3 +208,10 @@ def test_the_deviatoric_strain_is_no_axial_strain(tmp_path: Path) -> None:
     (tmp_path / "cd.csv").write_text(text.replace("\n10,", "\n10,8,"), encoding="utf-8")
     shearing = load_problem(path).document()["forward_model"]["parts"]["TMD"]["shearing"]
     assert [one["axial_strain"] for one in shearing] == [0.1]
+
+
+def test_parameters_are_proposed_for_the_tests_of_a_table(tmp_path: Path) -> None:
+    path = _written(tmp_path)
+    document = {key: value for key, value in json.loads(path.read_text()).items() if key != "parameters"}
+    path.write_text(json.dumps(document), encoding="utf-8")
+    assert {"h_s", "n", "e_c0"} <= {*load_problem(path, with_parameters).free_names}
