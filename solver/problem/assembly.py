@@ -53,6 +53,7 @@ from geoswarm.solver.words import did_you_mean
 
 __all__ = ["load_problem", "parse_problem"]
 
+Completed: TypeAlias = Callable[[dict[str, Any]], dict[str, Any]] | None
 Model = TypeVar("Model", bound=BaseModel)
 
 _MOST_PARAMETERS = 100
@@ -64,12 +65,7 @@ _FORMS = (
 _SETTINGS = tuple(Settings.model_fields)
 
 
-Completed: TypeAlias = Callable[[dict[str, Any]], dict[str, Any]]
-
-
-def parse_problem(
-    document: Mapping[str, Any], *, programs: bool = False, completed: Completed | None = None
-) -> Problem:
+def parse_problem(document: Mapping[str, Any], *, programs: bool = False, completed: Completed = None) -> Problem:
     """Check a document and build its problem; files are refused, points must be inlined.
 
     Parameters
@@ -91,11 +87,10 @@ def parse_problem(
         return _Assembly(plain if completed is None else completed(plain), None, programs).problem()
 
 
-def load_problem(path: str | Path, completed: Completed | None = None) -> Problem:
+def load_problem(path: str | Path, completed: Completed = None) -> Problem:
     """Read a YAML or JSON problem file, and the CSV files beside it that its observations name.
 
-    A problem without a name is named after its file. ``completed`` adds what is missing, once a table of tests is
-    parts and observations.
+    A problem without a name is named after its file; ``completed``: as for :func:`parse_problem`.
 
     Raises
     ------
@@ -113,8 +108,7 @@ def load_problem(path: str | Path, completed: Completed | None = None) -> Proble
     ('a',)
     """
     path = Path(path)
-    document = read_problem_file(path)
-    with without_table({"name": path.stem, **document}, path.parent) as plain:
+    with without_table({"name": path.stem, **read_problem_file(path)}, path.parent) as plain:
         problem = _Assembly(plain if completed is None else completed(plain), path.parent, programs=True).problem()
         if extreme := extreme_issues(problem):
             raise ProblemError(extreme)
