@@ -8,13 +8,13 @@ from typing import Annotated, Any
 import anyio
 from fastapi import Depends, Path, Query, Request
 
-from geoswarm.api.errors import ProblemDetail
+from geoswarm.api.errors import DetailError, ProblemDetail
 from geoswarm.api.events.feed import EventFeed
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.service.job_service import JobService
 
-__all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "limiter", "problems_of"]
+__all__ = ["Cursor", "Feed", "JobId", "Limit", "Service", "limiter", "problems_of", "require_runs"]
 
 NOBODY = Principal(None, "read")  # on routes that are open to everybody
 AT_ONCE = {"test runs": 1, "drafts": 2, "files": 1, "probes": 4}
@@ -34,6 +34,17 @@ def limiter(request: Request, name: str) -> anyio.CapacityLimiter:
     """Return what requests of one kind of :data:`AT_ONCE` wait at, holding no thread."""
     limiters: dict[str, anyio.CapacityLimiter] = request.app.state.limiters
     return limiters.setdefault(name, anyio.CapacityLimiter(AT_ONCE[name]))
+
+
+def require_runs(service: JobService) -> None:
+    """Refuse a forward run to a key that may only read."""
+    if not service.principal.may("submit"):
+        raise DetailError(
+            403,
+            f"This API key has the role {service.principal.role!r}; a forward run needs 'submit' or 'admin'.",
+            kind="role-refused",
+            title="Role refused",
+        )
 
 
 async def _feed(request: Request) -> EventFeed:

@@ -1,17 +1,23 @@
-"""The view of a job's statistics: threshold, known noise, posterior sample; the same for all their routes."""
+"""The view of a job's statistics: threshold, known noise, posterior sample, and another set of parameters beside it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Annotated, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
 
-from fastapi import Depends, Query
+import anyio.to_thread
+from fastapi import Depends, Query, Request
 
+from geoswarm.api.dependencies import JobId, Service, limiter, require_runs
 from geoswarm.api.errors import DetailError
-from geoswarm.solver.errors import Issue
+from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.problem import read_document
 
-__all__ = ["Noise", "View", "WantedView"]
+if TYPE_CHECKING:
+    from geoswarm.solver.report.compared import Compared
+
+__all__ = ["Noise", "View", "WantedReport", "WantedView"]
 
 
 def _noise(
@@ -48,16 +54,17 @@ Noise = Annotated[dict[str, float] | float | None, Depends(_noise)]
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """Threshold of good fits, known noise, and whether to sample the posterior."""
+    """Threshold of good fits, known noise, whether to sample the posterior, and another set of parameters."""
 
     threshold: float | None
     noise: dict[str, float] | float | None
     posterior: bool
+    compared: Compared | None = None
 
     @property
     def options(self) -> dict[str, Any]:
         """As arguments of a report."""
-        return {"threshold": self.threshold, "noise": self.noise, "posterior": self.posterior}
+        return {name: getattr(self, name) for name in ("threshold", "noise", "posterior", "compared")}
 
 
 def _view(
@@ -72,3 +79,36 @@ def _view(
 
 
 WantedView = Annotated[View, Depends(_view)]
+
+
+async def _with_compared(
+    request: Request,
+    job_id: JobId,
+    service: Service,
+    view: WantedView,
+    compare: Annotated[
+        str | None,
+        Query(
+            max_length=20_000,
+            description="another set of parameters to show beside the result, YAML or JSON (`phi_c: 33.1` a line, and "
+            "a name): one forward run within the limits of a test run, for which the role submit is needed",
+        ),
+    ] = None,
+) -> View:
+    if compare is None:
+        return view
+    require_runs(service)
+
+    def calculate() -> Compared:
+        try:
+            return service.compared(job_id, read_document(compare, "yaml"))
+        except ProblemError as error:
+            issues = [Issue(f"query.compare.{one.path}".rstrip("."), one.message) for one in error.issues]
+            raise DetailError(
+                422, "; ".join(map(str, issues)), kind="invalid-request", title="Invalid request", issues=issues
+            ) from None
+
+    return replace(view, compared=await anyio.to_thread.run_sync(calculate, limiter=limiter(request, "test runs")))
+
+
+WantedReport = Annotated[View, Depends(_with_compared)]

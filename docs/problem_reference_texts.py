@@ -169,7 +169,7 @@ the keys below, a row has
   `radial_strain`, `axial_stress` or `radial_stress` over the axial strain (triaxial). With `_unit`, `_factor`,
   `_error` or `_weight` behind the name: `q_error: 2`;
 - of the keys of an observation: `decimal_sign`, `incomplete_rows`, `where`, `sort`, `repeated_x`, `resample`,
-  `y_zero`, `gross_error_column`, `x_factor`, `loss` and `loss_scale`.
+  `y_zero`, `gross_error_column`, `x_factor`, `loss` and `loss_scale`, and of shearing `x_from` and `x_to`.
 """
 
 INDEX_PROPERTIES = """

@@ -34,6 +34,7 @@ __all__ = [
     "JSON_BODY",
     "Call",
     "Noise",
+    "OtherSet",
     "Problem",
     "Query",
     "SortKey",
@@ -66,6 +67,9 @@ JSON_BODY = {"Content-Type": "application/json"}
 
 Noise = Mapping[str, float] | float | None
 """Known standard deviation of a reading, base units: one for all series, or one each."""
+
+OtherSet = Mapping[str, Any] | str | Path | None
+"""Another set of parameters: values by name, and a ``name``; or the path of such a file."""
 
 SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
@@ -214,11 +218,16 @@ def plain(value: Any) -> Any:
     raise TypeError(f"a problem cannot hold {value!r} ({type(value).__name__})")
 
 
-def view_query(threshold: float | None, noise: Noise, posterior: bool) -> dict[str, Query]:
+def view_query(threshold: float | None, noise: Noise, posterior: bool, compare: OtherSet = None) -> dict[str, Query]:
     """How the results of a job are looked at, as a query."""
     query: dict[str, Query] = present(threshold=threshold)
     if posterior:
         query["posterior"] = "true"
+    if isinstance(compare, str | Path):
+        path = Path(compare)
+        query["compare"] = json.dumps({"name": path.stem, **question_document(path)})
+    elif compare is not None:
+        query["compare"] = json.dumps(compare, default=plain)
     return query | noise_query(noise)
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from geoswarm.records.record import Number, described, record
 from geoswarm.records.states import JobState
-from geoswarm.records.statistics import FitVerdict, Linearisation, WithoutTests
+from geoswarm.records.statistics import Closeness, FitVerdict, Linearisation, WithoutTests
 
 __all__ = [
     "CandidateWorth",
@@ -90,6 +90,7 @@ class PredictedSeries:
     inside: int | None = described("measured points in the band, that of readings where it is known")
     straight: Number = described("share of the variation that a plane over the parameters explains, the least over x")
     end_error: Number = described("how far the ends differ between two halves of the draws, parts of the band's width")
+    closeness: Closeness | None = described("how close the curve at the best optimum comes to the measured points")
 
 
 @record(closed=True)

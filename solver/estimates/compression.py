@@ -69,13 +69,19 @@ def compression_readings(problem: Problem, test: LoadTest) -> CompressionReading
     spec = test.model.spec
     if getattr(spec, "zero_at_stage", 1) != 1:
         return None
+    loads = np.array([stage.stress for stage in spec.stages])
+    e, sand = spec.initial_void_ratio, _is_sand(problem, spec)
     stages, strain = measured_strain(problem, test)
-    if stages.size == 0:
+    if stages.size:
+        y = -strain if e is None else e - (1.0 + e) * strain
+        return CompressionReadings(test.part, test.confined, e, loads[stages - 1], y, sand)
+    name = f"{test.part}.stage_void_ratio" if test.part else "stage_void_ratio"
+    voids = next((o for o in problem.observations if o.series == name), None)
+    if voids is None or voids.x.size == 0:
         return None
-    e = spec.initial_void_ratio
-    stress = np.array([stage.stress for stage in spec.stages])[stages - 1]
-    y = -strain if e is None else e - (1.0 + e) * strain
-    return CompressionReadings(test.part, test.confined, e, stress, y, _is_sand(problem, spec))
+    order = np.argsort(voids.x, kind="stable")  # a law may know the void ratio before the test by other parameters
+    stress, y = loads[np.round(voids.x[order]).astype(int) - 1], voids.y[order]
+    return CompressionReadings(test.part, test.confined, float(y[0]), stress, y, sand)
 
 
 def consolidation_readings(problem: Problem, part: ModelPart) -> CompressionReadings | None:

@@ -23,6 +23,7 @@ from geoswarm.solver.estimates.index import (
     term_known,
     with_index,
 )
+from geoswarm.solver.estimates.reference_stress import normal_volume_of, reference_modulus_of
 from geoswarm.solver.estimates.usual import is_wide, usual_section, wanted
 from geoswarm.solver.estimates.value import Candidate, ClassicalValue
 from geoswarm.solver.forward.registry import built, parse_spec
@@ -35,8 +36,8 @@ _FACTOR = 2.0
 """Bounds of indices, moduli and permeabilities: this factor beyond the smallest and the largest candidate."""
 _ANGLE = 5.0
 """Bounds of angles: so many degrees beyond them."""
-_VOIDS, _OF_VOIDS = ("e_d0", "e_c0", "e_i0"), 1.15
-"""Bounds of limiting void ratios: this factor beyond the smallest and the largest candidate."""
+_VOIDS, _OF_VOIDS = ("e_d0", "e_c0", "e_i0", "N"), 1.15
+"""Bounds of limiting void ratios and specific volumes: this factor beyond the smallest and the largest candidate."""
 _PAST = ("OCR", "POP")
 
 
@@ -85,7 +86,7 @@ def proposed(problem: Problem) -> tuple[Proposed, ...]:
     """Propose a section for every free parameter of the problem's laws, and for an initial preconsolidation.
 
     An estimate (``initial``) is the median of what was read, else of what the index properties let expect. Bounds lie
-    a factor of 2 (limiting void ratios: 1.15), or 5 degrees, beyond all candidates, within what is admissible.
+    a factor of 2 (limiting void ratios, N: 1.15), or 5 degrees, beyond all candidates, within what is admissible.
     """
     infos = {info.name: info for info in problem.model.parameters}
     found = candidates_of(problem)
@@ -108,9 +109,17 @@ def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
     for test, known_index in with_index(problem.forward_model, problem.model, soil):
         told = index_estimates(test, test.own(fixed), known_index)
         _gather(found, problem, test, [(one.parameter, of_correlation(one)) for one in told if not one.told.outside])
+    without: list[TestOfLaw] = []
     for test in soils_of(problem.forward_model, problem.model):
         if "h_s" in test.parameters:
             _gather_sand(found, problem, test)
+        moduli = found.get(full_name(problem, test, "E50_ref"), ())
+        if "E50_ref" in test.parameters and not any(one.reading for one in moduli):
+            without.append(test)
+        if "N" in problem.parameters and "N" in test.parameters:
+            _gather(found, problem, test, normal_volume_of(problem, test, _known(problem, test, found)))
+    for test in without:
+        _gather(found, problem, test, reference_modulus_of(problem, test, _known(problem, test, found)))
     return found
 
 

@@ -16,6 +16,7 @@ __all__ = [
     "Closeness",
     "Misfit",
     "headline_of",
+    "in_words",
     "sentence_of",
     "unit_of",
 ]
@@ -171,7 +172,7 @@ def sentence_of(
     elif patterns:
         if len(series) > _MOST_NAMED and closeness:
             parts.append(f"The model does not describe {len(series)} series: {_reason(patterns)}.")
-            parts.append(f"Over all readings, {listed([_within(one) for one in closeness])}.")
+            parts.append(f"Over all readings, {in_words(closeness)}.")
         else:
             parts.append(f"The model does not describe {listed(series)}{_of_each(patterns, series)}")
         hold = f"their intervals {_counted(tests)}" if tests else "their intervals do not hold"
@@ -179,6 +180,11 @@ def sentence_of(
     if exceeded:
         parts.append(_too_small(exceeded, 0 if patterns else tests))
     return " ".join(parts)
+
+
+def in_words(closeness: Sequence[Closeness]) -> str:
+    """How close each quantity comes: ``q is met within 12 kPa (root mean square 3 kPa, peaks within 4 %) and ...``."""
+    return listed([_within(one) for one in closeness])
 
 
 def _within(one: Closeness) -> str:

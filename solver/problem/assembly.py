@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -53,6 +53,7 @@ from geoswarm.solver.words import did_you_mean
 
 __all__ = ["load_problem", "parse_problem"]
 
+Completed: TypeAlias = Callable[[dict[str, Any]], dict[str, Any]] | None
 Model = TypeVar("Model", bound=BaseModel)
 
 _MOST_PARAMETERS = 100
@@ -64,7 +65,7 @@ _FORMS = (
 _SETTINGS = tuple(Settings.model_fields)
 
 
-def parse_problem(document: Mapping[str, Any], *, programs: bool = False) -> Problem:
+def parse_problem(document: Mapping[str, Any], *, programs: bool = False, completed: Completed = None) -> Problem:
     """Check a document and build its problem; files are refused, points must be inlined.
 
     Parameters
@@ -74,6 +75,8 @@ def parse_problem(document: Mapping[str, Any], *, programs: bool = False) -> Pro
     programs
         Whether its forward model may start programs of this machine: True for what a user of this machine has written,
         or was made of a problem that had been accepted so; never for what came over the network.
+    completed
+        Adds what is missing, once a table of tests is parts and observations.
 
     Raises
     ------
@@ -81,13 +84,13 @@ def parse_problem(document: Mapping[str, Any], *, programs: bool = False) -> Pro
         Lists every mistake with its path.
     """
     with without_table(plain_document(document), None) as plain:
-        return _Assembly(plain, None, programs).problem()
+        return _Assembly(plain if completed is None else completed(plain), None, programs).problem()
 
 
-def load_problem(path: str | Path, completed: Callable[[dict[str, Any]], dict[str, Any]] | None = None) -> Problem:
+def load_problem(path: str | Path, completed: Completed = None) -> Problem:
     """Read a YAML or JSON problem file, and the CSV files beside it that its observations name.
 
-    A problem without a name is named after its file. ``completed`` adds to the document as it was read what is missing.
+    A problem without a name is named after its file; ``completed``: as for :func:`parse_problem`.
 
     Raises
     ------
@@ -105,10 +108,8 @@ def load_problem(path: str | Path, completed: Callable[[dict[str, Any]], dict[st
     ('a',)
     """
     path = Path(path)
-    document = read_problem_file(path)
-    document = document if completed is None else completed(document)
-    with without_table({"name": path.stem, **document}, path.parent) as plain:
-        problem = _Assembly(plain, path.parent, programs=True).problem()
+    with without_table({"name": path.stem, **read_problem_file(path)}, path.parent) as plain:
+        problem = _Assembly(plain if completed is None else completed(plain), path.parent, programs=True).problem()
         if extreme := extreme_issues(problem):
             raise ProblemError(extreme)
     return problem

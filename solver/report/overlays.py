@@ -13,7 +13,10 @@ from geoswarm.solver.report.curves import SeriesCurve
 from geoswarm.solver.report.diagrams import DiagramCurve
 from geoswarm.solver.units import convert
 
-__all__ = ["Overlay", "OverlayLine", "overlays"]
+__all__ = ["MANY_TESTS", "Overlay", "OverlayLine", "overlays"]
+
+MANY_TESTS = 4
+"""Tests in one diagram from which on there is no figure for each of them."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -154,6 +154,7 @@ def test_who_may_only_read_changes_nothing(users: Users, secret_job: str) -> Non
         ("POST", f"{API}/problems/warm-starts"),
         ("POST", f"{API}/jobs/{secret_job}/cancel"),
         ("DELETE", f"{API}/jobs/{secret_job}"),
+        ("GET", f"{API}/jobs/{secret_job}/report.html?compare=a:%201"),
     ):
         answer = users("alice", method, path, role="read", json=line_problem())
         assert (answer.status_code, answer.json()["type"]) == (403, "urn:geoswarm:error:role-refused")

@@ -85,6 +85,18 @@ def test_report_is_a_page_with_a_policy_of_its_own(done: tuple[App, str]) -> Non
     assert "400" in answer.text
 
 
+def test_a_report_shows_another_set_of_parameters_beside_the_result(done: tuple[App, str]) -> None:
+    app, path = done
+    other = app.get(f"{path}/report.html", params={"compare": "name: a book\na: 1000\nb: 1"})
+    assert other.status_code == 200, other.text
+    assert "Compared with a book" in other.text
+    assert "Compared with" not in app.get(f"{path}/report.html").text
+    missing = app.get(f"{path}/report.html", params={"compare": '{"a": 2, "c": 1}'})
+    assert missing.status_code == 422
+    assert [issue["path"] for issue in missing.json()["issues"]] == ["query.compare.c", "query.compare"]
+    assert app.get(f"{path}/figures/fit.csv", params={"compare": "a: ["}).status_code == 422
+
+
 def test_pdf_and_figures_in_every_form(done: tuple[App, str]) -> None:
     app, path = done
     pdf = app.get(f"{path}/report.pdf")

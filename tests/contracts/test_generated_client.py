@@ -104,7 +104,7 @@ def test_an_unknown_argument_is_refused() -> None:
 
 def test_every_function_of_the_modules_is_a_method() -> None:
     methods = set(vars(AsyncClient).values())
-    for name in ("analysis", "drafts", "following", "jobs", "results", "service"):
+    for name in ("analysis", "drafts", "following", "jobs", "reports", "results", "service"):
         module = import_module(f"geoswarm.client._async.{name}")
         functions = inspect.getmembers(module, lambda member: inspect.isfunction(member))
         own = {found for key, found in functions if found.__module__ == module.__name__ and not key.startswith("_")}

@@ -137,3 +137,19 @@ def test_each_run_counts_at_once_and_the_tab_tells_how_far_it_is(embedded: Site,
         embedded.service.cancel(view.id)
     expect(page).to_have_title(re.compile("^■ under way"))
     expect(page.locator("#live")).to_be_hidden()
+
+
+def test_another_set_of_parameters_is_drawn_beside_the_result(embedded: Site, visit: Visit, line: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{line}/fit")
+    page.get_by_text("Compare with another set of parameters").click(timeout=SOON)
+    area = page.locator("#other-set textarea")
+    expect(area).to_have_value(re.compile(r"^name: other set\na: .*\nb: "))
+    area.fill("name: a book\na: 1.5\nb: 2")
+    page.get_by_role("button", name="Compare", exact=True).click()
+    picture = page.locator("#other-set img")
+    expect(picture).to_be_visible(timeout=SOON)
+    page.wait_for_function("() => document.querySelector('#other-set img').naturalWidth > 100")
+    link = page.get_by_role("link", name="Report with both").get_attribute("href")
+    assert link is not None
+    assert "Compared with a book" in page.request.get(link).text()
+    check_accessibility(page)

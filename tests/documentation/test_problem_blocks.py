@@ -11,6 +11,7 @@ from ruamel.yaml import YAML
 
 import geoswarm as gs
 from geoswarm.cli import main
+from geoswarm.solver.problem.draft import inlined_document
 from geoswarm.solver.problem.observation_section import ObservationSection
 from tests.contracts.repository import ROOT
 from tests.documentation.pages import block
@@ -187,3 +188,6 @@ def test_the_table_of_tests_is_read(tmp_path: Path) -> None:
     assert [o.series for o in problem.observations] == [
         *("OE1.stage_void_ratio", "TMD1.q", "TMD1.volumetric_strain", "TMU1.q", "TMU1.pore_pressure"),
     ]
+    further = block("docs/prediction.md", "name: twenty further tests").text
+    (tmp_path / "further.yaml").write_text(further.replace("further.csv", "tests.csv"), encoding="utf-8")
+    assert list(inlined_document(tmp_path / "further.yaml")["forward_model"]["parts"]) == ["OE1", "TMD1", "TMU1"]

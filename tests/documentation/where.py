@@ -136,7 +136,8 @@ BLOCKS: Final[dict[str, dict[str, str]]] = {
             *("geoswarm design", "candidates:\n", "client.design"),
         ),
         f"{PYTHON}test_predictions_and_candidate_tests",
-    ),
+    )
+    | {"name: twenty further tests": f"{PROBLEMS}test_the_table_of_tests_is_read"},
     "docs/problem-file.md": {
         "name: oedometer-san-cassiano": f"{PROBLEMS}test_the_first_problem_of_the_reference_is_the_example",
         "answer: {": f"{PROBLEMS}test_a_section_is_accepted",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -41,6 +42,12 @@ class Sandbox:
         with self._lock:
             self._number += 1
             return self._evaluate(Calibration(problem, 0), parameters, part)
+
+    def evaluate(self, problem: Problem, parameters: Sequence[float]) -> Evaluation:
+        """Run a forward calculation with natural values of the free parameters."""
+        with self._lock:
+            self._number += 1
+            return self._evaluate(Calibration(problem, 0), np.array(parameters, dtype=np.float64))
 
     def close(self) -> None:
         """End the evaluation process."""

@@ -54,6 +54,8 @@ from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json, unp
 from geoswarm.workers.waker import Waker
 
 if TYPE_CHECKING:
+    from geoswarm.solver.calibration import Evaluation
+    from geoswarm.solver.report.compared import Compared
     from geoswarm.workers.service.bodies import BodyService
     from geoswarm.workers.service.statistics import StatisticsService
 
@@ -111,6 +113,26 @@ class JobService(JobRecords):
             See :func:`geoswarm.solver.runs.check.check_problem`.
         """
         return self._sandbox.check(problem)
+
+    def compared(self, job_id: str, document: Mapping[str, Any]) -> Compared:
+        """Calculate the readings of a job with another set of parameters, within the limits of a test run.
+
+        Raises
+        ------
+        ProblemError
+            The set has mistakes, or the calculation fails.
+        """
+        from geoswarm.solver.report.compared import compared_with, set_of, with_values
+
+        problem = self.statistics.stored(job_id).problem
+
+        def run(problem: Problem, values: Mapping[str, float]) -> Evaluation:
+            fixed = with_values(problem, values)
+            return self._sandbox.evaluate(fixed, [values[name] for name in fixed.free_names])
+
+        name, given = set_of(document, "other set")
+        key = job_id, "compared", name, json.dumps(given, sort_keys=True)
+        return self._cache.once(key, lambda: compared_with(problem, name, given, run))
 
     def warm_starts(self, problem: Problem) -> builtins.list[WarmStart]:
         """Return earlier jobs of the same forward model whose runs a problem could learn from, newest first."""

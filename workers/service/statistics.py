@@ -20,6 +20,7 @@ from geoswarm.solver.identifiability.stored.posterior import Posterior, sample_p
 from geoswarm.solver.identifiability.weighting import Weighting
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.progress.answer import Answer
+from geoswarm.solver.report.compared import Compared
 from geoswarm.solver.report.document.build import Report, linearise_stored
 from geoswarm.solver.report.document.reweighted import reweighted_document
 from geoswarm.solver.report.record import BestFit, RunRecord
@@ -100,7 +101,13 @@ class StatisticsService:
         )
 
     def report(
-        self, job_id: str, *, threshold: float | None = None, noise: KnownNoise = None, posterior: bool = False
+        self,
+        job_id: str,
+        *,
+        threshold: float | None = None,
+        noise: KnownNoise = None,
+        posterior: bool = False,
+        compared: Compared | None = None,
     ) -> Report:
         """Make the report of a job, with what its follow-ups have found.
 
@@ -112,6 +119,8 @@ class StatisticsService:
             Known standard deviation of a reading, base units, one for all series or one each.
         posterior
             Sample the posterior, too; takes seconds.
+        compared
+            Another set of parameters beside the result.
         """
         job = self.stored(job_id)
 
@@ -126,9 +135,11 @@ class StatisticsService:
                 linearisation=findings.linearisation or self._linearise_stored(job_id, job, noise),
                 noise=noise,
                 uncertainty=Uncertainty(findings, sample),
+                compared=compared,
             )
 
-        return self._cache.once((*self._key(job_id), "report", threshold, _hashable(noise), posterior), make)
+        view = threshold, _hashable(noise), posterior, _named(compared)
+        return self._cache.once((*self._key(job_id), "report", *view), make)
 
     def follow_ups(self, job_id: str) -> list[StoredFollowUp]:
         """Return the follow-ups that name a job and ask the same question, the newest first."""
@@ -195,12 +206,12 @@ class StatisticsService:
         threshold: float | None = None,
         noise: KnownNoise = None,
         posterior: bool = False,
+        compared: Compared | None = None,
     ) -> bytes:
         """Render a report in a form (``html``, ``fit.svg``, ...), once for each state of the job."""
-        report = self.report(job_id, threshold=threshold, noise=noise, posterior=posterior)
-        return self._cache.once(
-            (*self._key(job_id), form, threshold, _hashable(noise), posterior), lambda: make(report)
-        )
+        report = self.report(job_id, threshold=threshold, noise=noise, posterior=posterior, compared=compared)
+        view = threshold, _hashable(noise), posterior, _named(compared)
+        return self._cache.once((*self._key(job_id), form, *view), lambda: make(report))
 
     def reweighted(
         self,
@@ -246,6 +257,10 @@ class StatisticsService:
 
 def _hashable(noise: KnownNoise) -> Hashable:
     return tuple(sorted(noise.items())) if isinstance(noise, Mapping) else noise
+
+
+def _named(compared: Compared | None) -> Hashable:
+    return None if compared is None else (compared.name, *compared.fit.parameters.items())
 
 
 def _read(connection: Connection, row: Any) -> StoredJob:

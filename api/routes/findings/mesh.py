@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import anyio.to_thread
 from fastapi import APIRouter, Depends, Query, Request
 
-from geoswarm.api.dependencies import JobId, Service, limiter, problems_of
+from geoswarm.api.dependencies import JobId, Service, limiter, problems_of, require_runs
 from geoswarm.api.errors import DetailError
 from geoswarm.api.schemas.mesh import MeshAnswer, MeshFields
 from geoswarm.solver.report.curves import objective_unit
@@ -106,13 +106,7 @@ async def fields(
     The first request for an evaluation runs its forward model once more, within the limits of a test run, and so needs
     the role ``submit``; the result is kept for later requests.
     """
-    if not service.principal.may("submit"):
-        raise DetailError(
-            403,
-            f"This API key has the role {service.principal.role!r}; a forward run needs 'submit' or 'admin'.",
-            kind="role-refused",
-            title="Role refused",
-        )
+    require_runs(service)
 
     def calculate() -> MeshFields:
         body = _body(service, job_id, wanted)

@@ -1,4 +1,4 @@
-"""What the evaluations of a job tell: statistics, report, figures, other weights. Nothing here runs a forward model."""
+"""What the evaluations of a job tell: statistics, report, figures, other weights. A model runs for another set only."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.headers import DOCUMENT_POLICY
 from geoswarm.api.schemas.statistics import FigureList
-from geoswarm.api.views import WantedView
+from geoswarm.api.views import WantedReport, WantedView
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.solver.problem.weighting import Weighting
 from geoswarm.solver.report.figures.style import figures_available, png_of, svg_of
@@ -72,7 +72,7 @@ def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> Rewei
 @router.get(
     "/report.html", response_class=Response, responses={200: {"content": {"text/html": {}}}, **problems_of(404, 422)}
 )
-def report_html(job_id: JobId, service: Service, view: WantedView) -> Response:
+def report_html(job_id: JobId, service: Service, view: WantedReport) -> Response:
     """Show the report of a job as a self-contained page."""
     page = service.statistics.rendered(job_id, "html", lambda report: report.html().encode(), **view.options)
     return _document(page, "text/html; charset=utf-8")
@@ -83,7 +83,7 @@ def report_html(job_id: JobId, service: Service, view: WantedView) -> Response:
     response_class=Response,
     responses={200: {"content": {"application/pdf": {}}}, **problems_of(404, 422, 501)},
 )
-def report_pdf(job_id: JobId, service: Service, view: WantedView) -> Response:
+def report_pdf(job_id: JobId, service: Service, view: WantedReport) -> Response:
     """Show the report of a job as PDF."""
     _need_figures()
     pdf = service.statistics.rendered(job_id, "pdf", lambda report: report.pdf(), **view.options)
@@ -91,7 +91,7 @@ def report_pdf(job_id: JobId, service: Service, view: WantedView) -> Response:
 
 
 @router.get("/figures", responses=problems_of(404))
-def figures(job_id: JobId, service: Service, view: WantedView) -> FigureList:
+def figures(job_id: JobId, service: Service, view: WantedReport) -> FigureList:
     """List the figures that can be drawn for a job."""
     return FigureList(items=list(service.statistics.report(job_id, **view.options).figures.names))
 
@@ -109,7 +109,7 @@ def figure(
     service: Service,
     name: Annotated[str, Path(max_length=200, description="as listed by /figures")],
     form: Annotated[Literal["svg", "png", "csv"], Path(description="csv: the numbers that the figure shows")],
-    view: WantedView,
+    view: WantedReport,
 ) -> Response:
     """Show a figure of a job, or the numbers behind it."""
     if form != "csv":

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["design_command", "predict_command"]
 
 _SHOWN = 10  # points of a series in the terminal
+_MOST_SERIES = 12  # whose points are shown
 _WORKERS = click.option(
     "--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes, for DIR."
 )
@@ -300,7 +301,10 @@ def _write_job(client: Client, job: str, place: Path, document: Mapping[str, Any
 def _show_prediction(found: Mapping[str, Any]) -> None:
     if found["alarm"]:
         click.secho(f"Warning: {found['alarm']}", bold=True)
-    for one in found["series"]:
+    many = len(found["series"]) > _MOST_SERIES and any(one["closeness"] is not None for one in found["series"])
+    if many:
+        _show_closeness(found)
+    for one in () if many else found["series"]:
         reading = one["reading_lower"] is not None
         count = len(one["x"])
         rows = []
@@ -319,6 +323,18 @@ def _show_prediction(found: Mapping[str, Any]) -> None:
             click.echo(f"  {one['inside']} of {count} measured points lie in the {band}.")
     for remark in found["remarks"]:
         note(f"Note: {remark}")
+
+
+def _show_closeness(found: Mapping[str, Any]) -> None:
+    """How close many series come to their measured points; their bands are in the files."""
+    rows = []
+    for one in found["series"]:
+        if (close := one["closeness"]) is not None:
+            amounts = [f"{number(close[name], 3)} {close['unit']}".rstrip() for name in ("deviation", "largest")]
+            peak = "" if close["peak"] is None else per_cent(close["peak"])
+            rows.append((one["series"], *amounts, peak, f"{one['inside']} of {len(one['x'])}"))
+    columns = ("series", "root mean square", "largest", "peak within", f"in the {per_cent(found['level'])} band")
+    echo_table(found["name"], columns, rows, right=(1, 2, 3, 4))
 
 
 def _show_design(found: Mapping[str, Any]) -> None:

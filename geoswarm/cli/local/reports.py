@@ -31,7 +31,7 @@ __all__ = ["figures_missing", "report_command"]
     "--compare",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="SET",
-    help="File with another set of parameters ('phi_c: 33.1' a line), shown beside the result; of a folder only.",
+    help="File with another set of parameters ('phi_c: 33.1' a line), shown beside the result.",
 )
 @click.option(
     "--output",
@@ -67,15 +67,12 @@ def report_command(
         target.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BadInputError(f"--output {target}: {error.strerror}") from error
-    view = {"threshold": threshold, "noise": known_noise(noise), "posterior": posterior}
-    if folder is None and compare is not None:
-        raise BadInputError(
-            "--compare needs the folder of 'geoswarm run --output', as the model runs with the other set, too"
-        )
+    view: dict[str, Any] = {"threshold": threshold, "noise": known_noise(noise), "posterior": posterior}
+    view |= {"compare": compare}
     if folder is not None:
-        written = _of_folder(folder, target, view | {"compare": compare}, html, pdf, figures)
+        written = _of_folder(folder, target, view, html, pdf, figures)
     else:
-        with connect(url, api_key, SLOW_ANSWER if posterior else 60.0) as client:
+        with connect(url, api_key, SLOW_ANSWER if posterior or compare else 60.0) as client:
             written = _of_job(client, find_calibration(client, source).id, target, view, html, pdf, figures)
     note("Written: " + ", ".join(str(path) for path in written))
 
@@ -102,7 +99,8 @@ def _of_job(
         contents["report.html"] = client.report(job_id, **view).html.encode()
     if pdf:
         contents["report.pdf"] = client.report_pdf(job_id, **view)
-    names = client.figures(job_id, noise=view["noise"], posterior=view["posterior"]) if figures else ()
+    listed = {name: value for name, value in view.items() if name != "threshold"}
+    names = client.figures(job_id, **listed) if figures else ()
     for name in names:
         contents[f"{name}.png"] = client.figure(job_id, name, form="png", **view).content
         contents[f"{name}.svg"] = client.figure(job_id, name, form="svg", **view).content

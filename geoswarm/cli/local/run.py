@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.identifiability import Statistics
     from geoswarm.solver.problem import Problem
     from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
+    from geoswarm.solver.report.compared import Compared
     from geoswarm.solver.report.document.build import Report
 
 __all__ = ["run_command"]
@@ -56,6 +57,12 @@ __all__ = ["run_command"]
 @click.option(
     "--tables-only", is_flag=True, help="Write no report and no figures; 'geoswarm report DIR' does it later."
 )
+@click.option(
+    "--compare",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="SET",
+    help="File with another set of parameters ('phi_c: 33.1' a line), shown beside the result.",
+)
 @click.option("--resume", is_flag=True, help="Continue the interrupted run in the folder of --output.")
 @accept_option
 @json_option
@@ -66,6 +73,7 @@ def run_command(
     seed: int | None,
     earlier: tuple[Path, ...],
     tables_only: bool,
+    compare: Path | None,
     resume: bool,
     accept: tuple[str, ...],
     as_json: bool,
@@ -102,11 +110,14 @@ def run_command(
         note(f"Note: tables only, no report and no figures: {missing}")
     figures = not (tables_only or missing)
     offer = _offer(loaded, earlier) if earlier else None
+    compile_seconds, compared = 0.0, None
+    if compare is not None:  # mistakes in it are found before the search
+        compile_seconds, compared = ready(loaded), _other_set(loaded, compare)
     folder = None if output is None else open_folder(output, loaded, seed, offer, resume)
     if output is not None and folder is None:
         show_finished(output, loaded, as_json)
         return
-    compile_seconds = ready(loaded)
+    compile_seconds += ready(loaded)
     seed = seed if folder is None else folder.run.seed
 
     def on_search_end(found: CalibrationResult) -> None:
@@ -128,7 +139,7 @@ def run_command(
         from geoswarm.solver.report.document.build import report_of_result
 
         with kept(folder, problem):
-            report = report_of_result(loaded, result)
+            report = report_of_result(loaded, result, compared=compared)
     fit = _fit_of_run(loaded, result, report)
     statistics = None if report is None else report.statistics
     if as_json:
@@ -137,7 +148,7 @@ def run_command(
         echo_json(summary_document(loaded, result, statistics) | {"fit": fit, "compile_seconds": compile_seconds})
     elif result.state == "finished":
         show_fit(fit)
-        show_result(loaded, result, statistics)
+        show_result(loaded, result, statistics, compared)
     if folder is not None:
         with kept(folder, problem):
             written = write_output(result, folder, report, figures=figures)
@@ -146,6 +157,17 @@ def run_command(
             echo_facts(None, {"written to": str(output), "files": _listed(written), "total time": whole})
     if result.state == "failed":
         raise FailedRunError(result.error or "no forward run succeeded")
+
+
+def _other_set(problem: Problem, file: Path) -> Compared:
+    """Calculate the readings with another set of parameters."""
+    from geoswarm.solver.errors import ProblemError
+    from geoswarm.solver.report.compared import compared_with, read_set
+
+    try:
+        return compared_with(problem, *read_set(file))
+    except ProblemError as error:
+        raise BadInputError(f"--compare {file}: {'; '.join(map(str, error.issues))}") from error
 
 
 def _offer(problem: Problem, folders: tuple[Path, ...]) -> WarmStartRuns | None:
@@ -204,7 +226,9 @@ def _reporting(problem: Problem) -> Iterator[Callable[[GenerationRecord], None]]
             raise
 
 
-def show_result(problem: Problem, result: CalibrationResult, statistics: Statistics | None) -> None:
+def show_result(
+    problem: Problem, result: CalibrationResult, statistics: Statistics | None, compared: Compared | None = None
+) -> None:
     """Write the tables of a finished calibration: values with intervals and verdicts, and the fit."""
     from geoswarm.cli.words.labels import root_mean_square, with_unit
     from geoswarm.solver.problem.weighting import by_test, series_shares
@@ -235,6 +259,7 @@ def show_result(problem: Problem, result: CalibrationResult, statistics: Statist
         None,
         {
             "objective": with_unit(number(result.objective), unit),
+            **({f"that of {compared.name}": with_unit(number(compared.fit.objective), unit)} if compared else {}),
             "stopped": reasons_in_words(result.stop_reasons),
             "evaluations": f"{result.evaluations} in {result.generations} generations{_shares(result)}",
             **_failed(result),

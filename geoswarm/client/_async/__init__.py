@@ -6,7 +6,8 @@
 ``jobs``        submit, find, steer and delete jobs
 ``following``   follow the events of a job, wait for its end
 ``results``     what a job has evaluated, its fit, and the bodies behind it
-``analysis``    statistics, uncertainty and reports of a job
+``analysis``    statistics and uncertainty of a job
+``reports``     its reports and figures
 ``drafts``      problems before they are jobs: check, examples, files of measurements
 ``service``     forward models, workers, health, keys, operations
 ==============  ===================================================================================

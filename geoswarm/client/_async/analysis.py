@@ -1,4 +1,4 @@
-"""Statistics, uncertainty and reports of a job."""
+"""Statistics and uncertainty of a job."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import json
 import uuid
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
-from urllib.parse import quote
 
 from geoswarm.client._async.connection import AsyncConnection
 from geoswarm.client.calls import (
@@ -23,7 +22,6 @@ from geoswarm.client.calls import (
     reader,
     view_query,
 )
-from geoswarm.client.models import Figure, Report
 from geoswarm.records.job import Job
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
@@ -31,15 +29,11 @@ from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 __all__ = [
     "design",
     "explore",
-    "figure",
-    "figures",
     "global_sensitivity",
     "jackknife",
     "posterior",
     "predict",
     "profile",
-    "report",
-    "report_pdf",
     "reweight",
     "sensitivity",
     "statistics",
@@ -337,76 +331,6 @@ async def posterior(self: AsyncConnection, job_id: str, *, noise: Noise = None) 
     2.0
     """
     return await self._send(Call("GET", f"{job_path(job_id)}/posterior", reader(PosteriorAnswer), noise_query(noise)))
-
-
-async def report(
-    self: AsyncConnection, job_id: str, *, threshold: float | None = None, noise: Noise = None, posterior: bool = False
-) -> Report:
-    """Show the report of a job, on request with a posterior sample; a notebook displays it.
-
-    Examples
-    --------
-    >>> report = await client.report(job.id)
-    >>> report.html[:15]
-    '<!doctype html>'
-    """
-    query = view_query(threshold, noise, posterior)
-    return await self._send(
-        Call("GET", f"{job_path(job_id)}/report.html", lambda response: Report(response.text), query)
-    )
-
-
-async def report_pdf(
-    self: AsyncConnection, job_id: str, *, threshold: float | None = None, noise: Noise = None, posterior: bool = False
-) -> bytes:
-    """Show the report of a job as PDF.
-
-    Examples
-    --------
-    >>> pdf = await client.report_pdf(job.id)
-    >>> pdf[:5]
-    b'%PDF-'
-    """
-    query = view_query(threshold, noise, posterior)
-    return await self._send(Call("GET", f"{job_path(job_id)}/report.pdf", lambda response: response.content, query))
-
-
-async def figures(
-    self: AsyncConnection, job_id: str, *, noise: Noise = None, posterior: bool = False
-) -> tuple[str, ...]:
-    """List the figures that can be drawn for a job.
-
-    Examples
-    --------
-    >>> names = await client.figures(job.id)
-    >>> "fit" in names
-    True
-    """
-    query = view_query(None, noise, posterior)
-    return await self._send(Call("GET", f"{job_path(job_id)}/figures", reader(tuple[str, ...], "items"), query))
-
-
-async def figure(
-    self: AsyncConnection,
-    job_id: str,
-    name: str,
-    *,
-    form: Literal["svg", "png", "csv"] = "svg",
-    threshold: float | None = None,
-    noise: Noise = None,
-    posterior: bool = False,
-) -> Figure:
-    """Show a figure of a job, or (csv) the numbers behind it; a notebook displays it.
-
-    Examples
-    --------
-    >>> figure = await client.figure(job.id, "fit", form="csv")
-    >>> figure.name, figure.form
-    ('fit', 'csv')
-    """
-    path = f"{job_path(job_id)}/figures/{quote(name, safe='')}.{form}"
-    query = view_query(threshold, noise, posterior)
-    return await self._send(Call("GET", path, lambda response: Figure(name, form, response.content), query))
 
 
 async def _submit_follow_up(

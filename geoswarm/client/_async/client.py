@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from geoswarm.client._async import analysis, drafts, following, jobs, results, service
+from geoswarm.client._async import analysis, drafts, following, jobs, reports, results, service
 from geoswarm.client._async.connection import AsyncConnection
 
 __all__ = ["AsyncClient"]
@@ -86,10 +86,10 @@ class AsyncClient(AsyncConnection):
     global_sensitivity = analysis.global_sensitivity
     uncertainty = analysis.uncertainty
     posterior = analysis.posterior
-    report = analysis.report
-    report_pdf = analysis.report_pdf
-    figures = analysis.figures
-    figure = analysis.figure
+    report = reports.report
+    report_pdf = reports.report_pdf
+    figures = reports.figures
+    figure = reports.figure
 
     check = drafts.check
     warm_starts = drafts.warm_starts

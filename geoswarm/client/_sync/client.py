@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from geoswarm.client._sync import analysis, drafts, following, jobs, results, service
+from geoswarm.client._sync import analysis, drafts, following, jobs, reports, results, service
 from geoswarm.client._sync.connection import Connection
 
 __all__ = ["Client"]
@@ -87,10 +87,10 @@ class Client(Connection):
     global_sensitivity = analysis.global_sensitivity
     uncertainty = analysis.uncertainty
     posterior = analysis.posterior
-    report = analysis.report
-    report_pdf = analysis.report_pdf
-    figures = analysis.figures
-    figure = analysis.figure
+    report = reports.report
+    report_pdf = reports.report_pdf
+    figures = reports.figures
+    figure = reports.figure
 
     check = drafts.check
     warm_starts = drafts.warm_starts

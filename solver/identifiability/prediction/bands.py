@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,9 @@ from scipy.special import ndtri
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
+from geoswarm.solver.identifiability.misfits import Closeness, in_words
+from geoswarm.solver.identifiability.residuals.closeness import closeness_of
+from geoswarm.solver.identifiability.residuals.readings import MeasuredResiduals
 from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.units import convert
@@ -22,6 +25,7 @@ __all__ = ["BasinOutcome", "Prediction", "PredictedSeries", "prediction_of", "we
 _STRATA = 25  # of the error of a reading, in each draw
 _FEWEST = 10  # successful draws
 _LOOSE = 0.1  # error of an end in parts of the band's width, from which more runs are advised
+_MOST_NAMED = 3  # series in a remark
 _BENT = 0.95  # share of the variation that a plane explains
 
 
@@ -57,6 +61,8 @@ class PredictedSeries:
         model is linear in them.
     end_error
         How far the ends of the band differ between two halves of the draws, in parts of its width, the median over x.
+    closeness
+        How close the curve at the best optimum comes to the measured points; None without them, or if its run failed.
     """
 
     series: str
@@ -76,6 +82,7 @@ class PredictedSeries:
     measured: FloatArray | None
     straight: float
     end_error: float
+    closeness: Closeness | None
 
     @property
     def inside(self) -> int | None:
@@ -101,6 +108,7 @@ class PredictedSeries:
             "inside": self.inside,
             "straight": _number(self.straight),
             "end_error": _number(self.end_error),
+            "closeness": None if self.closeness is None else asdict(self.closeness),
         }
 
 
@@ -128,6 +136,8 @@ class Prediction:
         Why the band is unreliable; None if nothing is wrong.
     remarks
         What it contains, and what to be careful about, in sentences.
+    problem, responses
+        What was predicted, and the series at the best optimum, shape (m_g,), base units; empty if that run failed.
     """
 
     name: str
@@ -140,6 +150,8 @@ class Prediction:
     series: tuple[PredictedSeries, ...]
     alarm: str | None
     remarks: tuple[str, ...]
+    problem: Problem
+    responses: Mapping[str, FloatArray]
 
     def __getitem__(self, series: str) -> PredictedSeries:
         """The band of a series; KeyError lists those that there are."""
@@ -202,12 +214,18 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
     points = method.positions(problem.free_names)
     unit = calibration.space.to_unit(points[count:][good])
     names = problem.free_names
+    measured = _measured(calibration, method, optima[0])
     series = tuple(
-        _series(problem, method, o, optima, [draws[i] for i in good], good, weights, basins, unit)
+        _series(
+            problem, method, o, optima, [draws[i] for i in good], good, weights, basins, unit, measured.get(o.series)
+        )
         for o in problem.observations
     )
     failed = len(draws) - len(good)
     remarks = list(method.remarks)
+    if measured:
+        found = closeness_of(problem, list(measured), list(measured.values()))
+        remarks.insert(0, f"with the values of the best fit, {in_words(found)}")
     if failed:
         reasons = ", ".join(sorted({run.reason for run in draws if run.reason is not None}))
         remarks.append(f"{failed} of {len(draws)} runs failed ({reasons}); the band leaves them out")
@@ -215,13 +233,13 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
     if loose:
         worst = max(one.end_error for one in series)
         remarks.append(
-            f"the ends of the band of {', '.join(loose)} are known to {per_cent(worst)} of its width only, by two "
+            f"the ends of the band of {_named(loose)} are known to {per_cent(worst)} of its width only, by two "
             "halves of the runs; more runs sharpen them"
         )
     curved = [one.series for one in series if one.straight < _BENT]
     if curved:
         remarks.append(
-            f"{', '.join(curved)} is not linear in the parameters over their uncertainty; the band is that of real "
+            f"not linear in the parameters over their uncertainty: {_named(curved)}; the band is that of real "
             "runs, so it holds all the same, but the median need not be the curve at the optimum"
         )
     return Prediction(
@@ -238,7 +256,22 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
         series,
         method.alarm,
         tuple(f"{remark[:1].upper()}{remark[1:]}{'' if remark.endswith('.') else '.'}" for remark in remarks),
+        problem,
+        dict(optima[0].responses),
     )
+
+
+def _named(series: Sequence[str]) -> str:
+    more = len(series) - _MOST_NAMED
+    return ", ".join(series) if more <= 1 else f"{', '.join(series[:_MOST_NAMED])} and {more} others"
+
+
+def _measured(calibration: Calibration, method: PredictMethod, best: Evaluation) -> dict[str, MeasuredResiduals]:
+    """Residuals of the best optimum by series, of those that were measured."""
+    if best.reason is not None:
+        return {}
+    observed = [o for o in calibration.objective.observed if o.series not in method.unmeasured]
+    return {o.series: MeasuredResiduals.of(calibration.problem, o, best.responses[o.series]) for o in observed}
 
 
 def _series(
@@ -251,6 +284,7 @@ def _series(
     weights: FloatArray,
     basins: Any,
     unit: FloatArray,
+    residuals: MeasuredResiduals | None,
 ) -> PredictedSeries:
     info = next(info for info in problem.model.series if info.name == observation.series)
     x_unit, y_unit = observation.x_unit or info.x_unit, observation.y_unit or info.y_unit
@@ -300,6 +334,7 @@ def _series(
         measured,
         _straight(unit, values, weights),
         _end_error(values, weights, levels[1:], upper - lower),
+        None if residuals is None else closeness_of(problem, [name], [residuals])[0],
     )
 
 

@@ -84,7 +84,7 @@ def predict_problem(
     if isinstance(other, Path):
         parsed = load_problem(other, completed)
     else:
-        parsed = parse_problem(completed({"name": "prediction", **other}), programs=programs)
+        parsed = parse_problem({"name": "prediction", **other}, programs=programs, completed=completed)
     infos = {info.name: info for info in problem.model.series}
     predicted = {info.name: info for info in parsed.model.series}
     errors = {o.series: o.error for o in parsed.observations if o.error is not None}

@@ -44,6 +44,10 @@ _OF_ALL = (
     *("decimal_sign", "incomplete_rows", "where", "sort", "repeated_x", "resample", "y_zero", "gross_error_column"),
     *("x_factor", "loss", "loss_scale"),
 )
+_KEPT = ("error", "weight", "loss", "loss_scale", "x_from", "x_to")
+"""Keys of an observation that are not taken in with its readings."""
+_OF_SHEARING = ("x_from", "x_to")
+"""Keys of readings over strain: those of compression tests are over the number of a stage."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +73,7 @@ def curves_of(row: Row, files: Files) -> tuple[list[Curve], dict[str, Any]]:
     extra = dict(section.model_extra or {})
     known = SERIES[kind]
     columns = {name: extra.pop(name) for name in known if name in extra}
-    given = {key: extra.pop(key) for key in _OF_ALL if key in extra}
+    given = {key: extra.pop(key) for key in _of_all(kind) if key in extra}
     by_series = {
         name: {key: extra.pop(f"{name}_{word}") for word, key in _OF_SERIES.items() if f"{name}_{word}" in extra}
         for name in known
@@ -94,6 +98,11 @@ def curves_of(row: Row, files: Files) -> tuple[list[Curve], dict[str, Any]]:
     return curves, extra
 
 
+def _of_all(kind: str) -> tuple[str, ...]:
+    """Keys that all curves of a test share."""
+    return (*_OF_ALL, *_OF_SHEARING) if kind == "triaxial" else _OF_ALL
+
+
 def _key(path: str, name: str) -> str:
     """The key of a row for that of its observation."""
     own = {key: f"{name}_{word}" for word, key in _OF_SERIES.items()}
@@ -108,7 +117,7 @@ def _curve(name: str, wanted: dict[str, Any], content: bytes, base: str) -> Curv
     if points is None or issues:
         raise ProblemError([Issue(issue.path.removeprefix("."), issue.message) for issue in issues])
     x = in_base_unit("x", points.x, section.x_unit, base, points.x_heading)
-    kept: dict[str, Any] = {key: wanted[key] for key in ("error", "weight", "loss", "loss_scale") if key in wanted}
+    kept: dict[str, Any] = {key: wanted[key] for key in _KEPT if key in wanted}
     units = units_found(points) | {key: wanted[key] for key in ("x_unit", "y_unit") if key in wanted}
     if points.gross_errors:
         kept["gross_errors"] = [place + 1 for place in points.gross_errors]
@@ -177,7 +186,7 @@ def unknown_keys(row: Row, extra: Iterable[str], of_part: Iterable[str]) -> list
     section = row.section
     known = SERIES[str(section.kind)]
     accepted = [*type(section).model_fields, *known, *of_part]
-    said = f"also {', '.join(f'SERIES_{word}' for word in _OF_SERIES)} and {', '.join(_OF_ALL)}"
+    said = f"also {', '.join(f'SERIES_{word}' for word in _OF_SERIES)} and {', '.join(_of_all(str(section.kind)))}"
     return [
         row.issue(key, f"unknown key{did_you_mean(key, accepted)}; accepted: {', '.join(accepted)}; {said}")
         for key in extra

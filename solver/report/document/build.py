@@ -194,6 +194,7 @@ def report_of_result(
     *,
     threshold: float | None = None,
     noise: Mapping[str, float] | float | None = None,
+    compared: Compared | None = None,
 ) -> Report:
     """Make the report of a run in this process.
 
@@ -201,6 +202,8 @@ def report_of_result(
     ----------
     noise
         Known standard deviation of a reading, base units; that of the problem file when absent.
+    compared
+        Another set of parameters beside the result.
     """
     samples, record, seed = Samples.from_result(problem, result), record_of_result(problem, result), result.seed
     stored, uncertainty = None, NOTHING_FURTHER
@@ -217,6 +220,7 @@ def report_of_result(
         linearisation=stored,
         noise=noise,
         uncertainty=uncertainty,
+        compared=compared,
     )
 
 

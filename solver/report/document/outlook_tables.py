@@ -14,10 +14,14 @@ from geoswarm.solver.words import number, per_cent
 __all__ = ["design_table", "prediction_table"]
 
 _SHOWN = 8  # points of a series
+_MOST_SERIES = 12
+"""Series whose bands are shown; of more measured ones it is shown how close they come."""
 
 
 def prediction_table(prediction: Prediction) -> Table:
     """Return the band at some points of every series, the last one among them."""
+    if len(prediction.series) > _MOST_SERIES and any(one.closeness is not None for one in prediction.series):
+        return _closeness_table(prediction)
     rows = []
     reading = any(one.reading_lower is not None for one in prediction.series)
     for one in prediction.series:
@@ -47,6 +51,20 @@ def prediction_table(prediction: Prediction) -> Table:
     ]
     note = " ".join([said, *inside, f"{prediction.runs} runs."])
     return Table(f"Prediction: {prediction.name}", columns, tuple(rows), (1, 2), note)
+
+
+def _closeness_table(prediction: Prediction) -> Table:
+    """Return a line for each measured series: how close it comes."""
+    rows = []
+    for one in prediction.series:
+        if (found := one.closeness) is not None:
+            amounts = [f"{number(value, 3)} {found.unit}".rstrip() for value in (found.deviation, found.largest)]
+            peak = "–" if found.peak is None else per_cent(found.peak)
+            rows.append((one.series, *amounts, peak, f"{one.inside} of {one.x.size}"))
+    columns = ("series", "root mean square", "largest", "peak within", "points in the band")
+    said = " ".join(((prediction.alarm,) if prediction.alarm else ()) + prediction.remarks)
+    note = f"{said} {prediction.runs} runs for the {per_cent(prediction.level)} band."
+    return Table(f"Prediction: {prediction.name}", columns, tuple(rows), (1, 2, 3, 4), note)
 
 
 def design_table(design: Design, labels: Mapping[str, ParameterLabel]) -> Table:

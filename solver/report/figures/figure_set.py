@@ -55,7 +55,7 @@ from geoswarm.solver.report.figures.uncertainty_plots import (
     profile_rows,
     profiles_figure,
 )
-from geoswarm.solver.report.overlays import Overlay, overlays
+from geoswarm.solver.report.overlays import MANY_TESTS, Overlay, overlays
 from geoswarm.solver.report.record import RunRecord
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.sketches.drawing import DrawnSketch
@@ -64,9 +64,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["FigureSet", "slug"]
-
-_MANY_TESTS = 4
-"""Tests in one diagram from which on a report has no figure for each of them."""
 
 Rows = tuple[list[str], list[list[object]]]
 
@@ -227,7 +224,7 @@ class FigureSet:
     def shown(self) -> tuple[str, ...]:
         """Names of the figures of a report: without those of single tests that the figure of all tests shows."""
         many = {
-            f"{one.name}.{line.test}" for one in self._overlays if len(one.lines) >= _MANY_TESTS for line in one.lines
+            f"{one.name}.{line.test}" for one in self._overlays if len(one.lines) >= MANY_TESTS for line in one.lines
         }
         return tuple(name for name in self.names if name not in many)
 

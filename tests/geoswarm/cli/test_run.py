@@ -82,10 +82,22 @@ def test_the_written_problem_has_the_seed_that_was_used(tmp_path: Path, capsys: 
 
 
 def test_table_shows_what_was_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", write(tmp_path)]) == 0
+    book = tmp_path / "book.yaml"
+    book.write_text("amplitude: 2.5\nrate: 0.7\n", encoding="utf-8")
+    assert main(["run", write(tmp_path), "--compare", str(book)]) == 0
     text = capsys.readouterr().out
     for words in ("amplitude", "best fit", "0.7", "objective at or below the target", "share of the objective"):
         assert words in text
+    assert "that of book" in text
+
+
+def test_a_set_with_mistakes_is_refused_before_the_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "book.yaml").write_text("amplitude: 2.5\n", encoding="utf-8")
+    output = tmp_path / "out"
+    command = ["run", write(tmp_path), "--output", str(output), "--compare", str(tmp_path / "book.yaml")]
+    assert main(command) == 2
+    assert "the set must give every free parameter; rate is missing" in capsys.readouterr().err
+    assert not output.exists()
 
 
 def test_output_folder_holds_tables_figures_and_a_problem_that_runs_again(

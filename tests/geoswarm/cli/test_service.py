@@ -202,7 +202,10 @@ def test_statistics_report_and_other_weights_of_a_job(
     assert json.loads(following.read_text(encoding="utf-8"))["parameters"]["rate"] == {"value": 0.7}
     weighted = call_json(capsys, service, "reweight", finished, "--weight", "y=2")
     assert weighted["weights"][0]["share"] == 1.0
-    _, written = call(capsys, service, "report", finished, "--figures", "--html", "--output", str(tmp_path / "report"))
+    (tmp_path / "book.yaml").write_text("amplitude: 2\nrate: 1\n", encoding="utf-8")
+    options = ("--figures", "--html", "--compare", str(tmp_path / "book.yaml"), "--output", str(tmp_path / "report"))
+    _, written = call(capsys, service, "report", finished, *options)
+    assert "Compared with book" in (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
     names = {path.name for path in (tmp_path / "report").iterdir()}
     assert {"report.html", "matrix.png", "matrix.svg", "matrix.csv", "fit.csv"} <= names
     assert "report.pdf" not in names

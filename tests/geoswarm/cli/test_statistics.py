@@ -75,7 +75,6 @@ def test_accepted_proposals_give_a_problem_that_runs(
         (["statistics", "{}/problem.json"], "is a file; give the id of a job or the folder"),
         (["report", "{}", "--threshold", "0"], "--threshold must be above 0, got 0"),
         (["report", "{0}", "--compare", "{0}/problem.json"], "k: must be a number, got a mapping"),
-        (["report", "latest", "--compare", "{}/problem.json"], "--compare needs the folder of"),
         (["reweight", "{}"], "give --weight SERIES=WEIGHT or --weighting SCHEME"),
         (["reweight", "{}", "--weight", "y"], "--weight must be NAME=NUMBER, for example --weight settlement=2; got y"),
         (["reweight", "{}", "--weight", "q=1"], "unknown series q"),

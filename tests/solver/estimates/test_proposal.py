@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from geoswarm.solver.estimates.proposal import proposed, with_parameters
+from geoswarm.solver.estimates.proposal import candidates_of, proposed, with_parameters
 from geoswarm.solver.problem import load_problem, parse_problem
 from tests.solver.ags.synthetic import CC, CS, E0, START, STRESSES, void_ratio
 
@@ -70,3 +71,31 @@ def test_a_formula_keeps_its_own_bounds() -> None:
     for one in proposed(load_problem(EXAMPLES / "formula" / "problem.yaml")):
         assert one.as_given
         assert not one.candidates
+
+
+def test_the_normal_compression_line_of_cam_clay_is_read_from_the_largest_load() -> None:
+    stages = [{"stress": stress, "duration": 1.0} for stress in (50.0, 100.0, 200.0, 400.0, 800.0, 100.0)]
+    truth = {"lambda": 0.2, "kappa": 0.04, "M": 1.0, "nu": 0.3, "N": 3.2}
+    document = {
+        "forward_model": {
+            "kind": "oedometer",
+            "material": "modified_cam_clay",
+            "height": 0.02,
+            "initial_stress": 25.0,
+            "stages": stages,
+            "POP": 50.0,
+        },
+        "parameters": {name: {"value": value} for name, value in truth.items()} | {"N": {"lower": 2.0, "upper": 5.0}},
+        "observations": [{"series": "stage_void_ratio", "points": {"x": [1.0], "y": [1.0]}}],
+        "stopping": {"max_evaluations": 10},
+    }
+    problem = parse_problem(document)
+    x = np.arange(1.0, 7.0)
+    y = problem.model.prepare({"stage_void_ratio": x})(truth)["stage_void_ratio"]
+    readings = [{"series": "stage_void_ratio", "points": {"x": x.tolist(), "y": y.tolist()}}]
+    (found,) = candidates_of(parse_problem(document | {"observations": readings}))["N"]
+    assert found.value == pytest.approx(truth["N"], rel=5e-3)
+    free = {name: {"lower": truth[name] / 4.0, "upper": truth[name] * 4.0} for name in ("lambda", "kappa")}
+    parameters = document["parameters"] | free  # type: ignore[operator]
+    read = candidates_of(parse_problem(document | {"observations": readings, "parameters": parameters}))
+    assert [read[name][0].value for name in ("lambda", "N")] == pytest.approx([0.2, 3.2], rel=0.02)

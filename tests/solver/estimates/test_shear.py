@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.estimates.classical import classical_evaluation, classical_values
+from geoswarm.solver.estimates.proposal import candidates_of
 from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.problem import Problem, parse_problem
 
@@ -155,3 +156,22 @@ def test_simple_shear_gives_the_stress_ratio_and_the_undrained_strength() -> Non
     found = by_symbol(classical_values(one))
     assert found["a", "φ"] == pytest.approx(math.degrees(math.atan(0.5)))
     assert found["a", "s_u/σ′v"] == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(("given", "low", "high"), [({"value": M}, M, M), ({"lower": 0.3, "upper": 1.0}, 0.4, 1.0)])
+def test_the_reference_modulus_of_one_stress_follows_from_the_power(
+    given: dict[str, float], low: float, high: float
+) -> None:
+    """E50 = E50_ref (sigma_3/100 kPa)^m: m as the problem gives it, or in its usual range."""
+    free = {"lower": 1e3, "upper": 1e5}
+    document = problem({"a": part(200.0)}, {"a.q": hyperbola(200.0)}).document()
+    document["forward_model"] = {"kind": "combined", "parts": {"a": {**part(200.0), "material": "hardening_soil"}}}
+    document["parameters"] = {"E50_ref": free, "Eoed_ref": free, "Eur_ref": free, "m": given} | {
+        name: document["parameters"][name] for name in ("c", "phi")
+    }
+    one = parse_problem(document)
+    (found,) = candidates_of(one)["E50_ref"]
+    read = E50 * 2.0**M
+    assert found.ends == pytest.approx((read * 2.0**-high, read * 2.0**-low), rel=0.01)
+    assert found.ends[0] <= found.value <= found.ends[1]
+    assert "σ′₃ = 200 kPa" in found.source

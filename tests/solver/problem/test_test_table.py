@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.estimates.proposal import with_parameters
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.solver.problem.draft import inlined_document
 
@@ -207,3 +208,20 @@ def test_the_deviatoric_strain_is_no_axial_strain(tmp_path: Path) -> None:
     (tmp_path / "cd.csv").write_text(text.replace("\n10,", "\n10,8,"), encoding="utf-8")
     shearing = load_problem(path).document()["forward_model"]["parts"]["TMD"]["shearing"]
     assert [one["axial_strain"] for one in shearing] == [0.1]
+
+
+def test_parameters_are_proposed_for_the_tests_of_a_table(tmp_path: Path) -> None:
+    path = _written(tmp_path)
+    document = {key: value for key, value in json.loads(path.read_text()).items() if key != "parameters"}
+    path.write_text(json.dumps(document), encoding="utf-8")
+    assert {"h_s", "n", "e_c0"} <= {*load_problem(path, with_parameters).free_names}
+
+
+def test_readings_of_shearing_before_its_beginning_can_be_left_out(tmp_path: Path) -> None:
+    table = "file;type;cell pressure [kPa];e0;x_from;x_to\ncd.csv;CD;100;0.75;0;7\noe.csv;oedometer;;;;\n"
+    path = _written(tmp_path, table=table)
+    (tmp_path / "cd.csv").write_text("eps_1 [%],q [kPa]\n-0.01,0\n1,80\n5,200\n10,190\n", encoding="utf-8")
+    sheared = next(one for one in load_problem(path).observations if one.series == "cd.q")
+    assert sheared.x == pytest.approx([0.01, 0.05])
+    (tmp_path / "tests.csv").write_text(table.replace("oedometer;;;;", "oedometer;;;1;"), encoding="utf-8")
+    assert "tests.csv line 3, column 'x_from': unknown key" in _issues(path)[0]

@@ -8,6 +8,10 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.identifiability.prediction.bands import PredictedSeries, Prediction
+from geoswarm.solver.report.compression import compression_curves
+from geoswarm.solver.report.curves import series_curves
+from geoswarm.solver.report.diagrams import diagram_curves
+from geoswarm.solver.report.figures.diagram_plot import overlay_figure
 from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.style import (
     BLUE,
@@ -23,6 +27,7 @@ from geoswarm.solver.report.figures.style import (
     point_settlement_down,
     with_unit,
 )
+from geoswarm.solver.report.overlays import MANY_TESTS, Overlay, overlays
 from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:
@@ -40,10 +45,14 @@ _COLOURS = (ORANGE, GREEN, MUTED)
 def prediction_figure(title: str, prediction: Prediction) -> Figure:
     """Draw median and band of every series; of several basins the band and the optimum of each.
 
-    A series at one x, or with fewer than three, has bars instead of a band.
+    A series at one x, or with fewer than three, has bars instead of a band. Four tests or more, all of them measured,
+    stand in one diagram each kind, measured and calculated at the best optimum, without bands.
     """
     from matplotlib.figure import Figure
 
+    tests = _tests(prediction)
+    if any(len(one.lines) >= MANY_TESTS for one in tests):
+        return overlay_figure(title, tests)
     series = prediction.series
     columns = 1 if len(series) <= _ONE_COLUMN else 2
     rows = -(-len(series) // columns)
@@ -64,6 +73,16 @@ def prediction_figure(title: str, prediction: Prediction) -> Figure:
             list(named.values()), list(named), loc="outside lower center", ncols=2 if columns == 1 else 4, frameon=False
         )
     return figure
+
+
+def _tests(prediction: Prediction) -> tuple[Overlay, ...]:
+    """Diagrams that several tests have; none where a series was not measured, or the run at the best optimum failed."""
+    if not prediction.responses or any(one.measured is None for one in prediction.series):
+        return ()
+    problem, optimum = prediction.problem, prediction.basins[0].parameters
+    values = problem.values([optimum[name] for name in problem.free_names])
+    curves = [curve.thinned() for curve in series_curves(problem, prediction.responses, values)]
+    return overlays(curves, diagram_curves(problem, values), compression_curves(problem, values, None))
 
 
 def prediction_rows(prediction: Prediction) -> tuple[list[str], list[list[object]]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,12 @@ from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.prediction.bands import weighted_quantiles
 from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around
 from geoswarm.solver.identifiability.prediction.question import predict_problem
+from geoswarm.solver.identifiability.stored.findings import findings_of
 from geoswarm.solver.problem import Problem
+from geoswarm.solver.report.document.outlook_tables import prediction_table
+from geoswarm.solver.report.figures.outlook.prediction_plot import prediction_figure
+from geoswarm.solver.runs.local import calibrate as calibrate_here
+from geoswarm.solver.words import per_cent
 from tests.solver.identifiability.cases import WHITE, X, free, linearised, problem_of
 from tests.solver.identifiability.prediction.coverage import CASES, coverage, predicted
 
@@ -206,6 +212,43 @@ def test_measured_points_are_compared_with_the_band() -> None:
     found = line_result().predict(other)["y"]
     assert found.inside == 1
     assert found.measured is not None
+    assert found.closeness is not None
+    assert found.closeness.largest == pytest.approx(7.0, abs=0.1)
+    assert found.closeness.deviation == pytest.approx(7.0 / np.sqrt(2), abs=0.1)
+
+
+def test_series_that_were_not_measured_come_close_to_nothing() -> None:
+    found = line_result().predict(later())
+    assert found["y"].closeness is None
+    assert not any("is met within" in remark for remark in found.remarks)
+
+
+def test_a_table_of_tests_is_predicted_and_compared_test_by_test(tmp_path: Path) -> None:
+    problem = problem_of("E * x", {"E": free(1.0, 5000.0)}, 1000.0 * X + 20.0 * NOISE)
+    calibration = Calibration(problem, 1)
+    basins = basins_of(calibration, linearised(problem, [1000.0]), 1.0, (), (), None)
+    for name, factor in zip("ABCD", (1.0, 1.0, 1.0, 1.1), strict=True):
+        rows = "\n".join(f"{x},{10.0 * factor * x}" for x in (0.1, 0.2, 0.4))
+        (tmp_path / f"{name}.csv").write_text(f"axial strain [%],q [kPa]\n{rows}\n")
+    (tmp_path / "tests.csv").write_text(
+        "file,kind,cell pressure [kPa]\n" + "".join(f"{n}.csv,CD,100\n" for n in "ABCD")
+    )
+    (tmp_path / "later.yaml").write_text(
+        "tests: {table: tests.csv, material: elastic}\nparameters: {nu: {value: 0.3}}\n"
+    )
+    question = predict_problem(problem, tmp_path / "later.yaml", draw_around(calibration, basins, 20, 1), seed=1)
+    evaluations = [record.evaluation for record in calibrate_here(question).history]
+    (found,) = findings_of(question, 1, evaluations).predictions
+    assert [one.series for one in found.series] == ["A.q", "B.q", "C.q", "D.q"]
+    last = found.series[-1].closeness
+    assert last is not None
+    assert last.peak == pytest.approx(1.0 - 1.0 / 1.1, abs=5e-3)
+    assert found.remarks[0].startswith("With the values of the best fit, q is met within 0.3")
+    assert "peaks within" in found.remarks[0]
+    figure = prediction_figure("further tests", found)
+    assert len({line.get_color() for line in figure.axes[0].lines}) == 4
+    many = replace(found, series=4 * found.series)
+    assert [row[3] for row in prediction_table(many).rows][-1] == per_cent(last.peak)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,100 @@
+"""Reports and figures of a job."""
+
+from __future__ import annotations
+
+from typing import Literal
+from urllib.parse import quote
+
+from geoswarm.client._async.connection import AsyncConnection
+from geoswarm.client.calls import Call, Noise, OtherSet, job_path, reader, view_query
+from geoswarm.client.models import Figure, Report
+
+__all__ = ["figure", "figures", "report", "report_pdf"]
+
+
+async def report(
+    self: AsyncConnection,
+    job_id: str,
+    *,
+    threshold: float | None = None,
+    noise: Noise = None,
+    posterior: bool = False,
+    compare: OtherSet = None,
+) -> Report:
+    """Show the report of a job, on request with a posterior sample; a notebook displays it.
+
+    Parameters
+    ----------
+    compare
+        Another set of parameters to show beside the result: values by name, and a ``name``; or the path of such a file.
+
+    Examples
+    --------
+    >>> report = await client.report(job.id, compare={"name": "a book", "a": 2.0, "b": 1.0})
+    >>> "Compared with a book" in report.html
+    True
+    """
+    query = view_query(threshold, noise, posterior, compare)
+    return await self._send(
+        Call("GET", f"{job_path(job_id)}/report.html", lambda response: Report(response.text), query)
+    )
+
+
+async def report_pdf(
+    self: AsyncConnection,
+    job_id: str,
+    *,
+    threshold: float | None = None,
+    noise: Noise = None,
+    posterior: bool = False,
+    compare: OtherSet = None,
+) -> bytes:
+    """Show the report of a job as PDF.
+
+    Examples
+    --------
+    >>> pdf = await client.report_pdf(job.id)
+    >>> pdf[:5]
+    b'%PDF-'
+    """
+    query = view_query(threshold, noise, posterior, compare)
+    return await self._send(Call("GET", f"{job_path(job_id)}/report.pdf", lambda response: response.content, query))
+
+
+async def figures(
+    self: AsyncConnection, job_id: str, *, noise: Noise = None, posterior: bool = False, compare: OtherSet = None
+) -> tuple[str, ...]:
+    """List the figures that can be drawn for a job.
+
+    Examples
+    --------
+    >>> names = await client.figures(job.id)
+    >>> "fit" in names
+    True
+    """
+    query = view_query(None, noise, posterior, compare)
+    return await self._send(Call("GET", f"{job_path(job_id)}/figures", reader(tuple[str, ...], "items"), query))
+
+
+async def figure(
+    self: AsyncConnection,
+    job_id: str,
+    name: str,
+    *,
+    form: Literal["svg", "png", "csv"] = "svg",
+    threshold: float | None = None,
+    noise: Noise = None,
+    posterior: bool = False,
+    compare: OtherSet = None,
+) -> Figure:
+    """Show a figure of a job, or (csv) the numbers behind it; a notebook displays it.
+
+    Examples
+    --------
+    >>> figure = await client.figure(job.id, "fit", form="csv")
+    >>> figure.name, figure.form
+    ('fit', 'csv')
+    """
+    path = f"{job_path(job_id)}/figures/{quote(name, safe='')}.{form}"
+    query = view_query(threshold, noise, posterior, compare)
+    return await self._send(Call("GET", path, lambda response: Figure(name, form, response.content), query))
