@@ -233,25 +233,46 @@ def _keys(heading: str) -> tuple[str, ...]:
 
 
 def _header(rows: Rows, place: int, below: int) -> list[str]:
-    """Names with their units; a name left empty is that of the row directly above, as in merged cells."""
+    """Names with their units; a name left empty is that of the row directly above, as in merged cells, or below."""
     line, row = rows[place]
     above = rows[place - 1] if place else (0, [])
     over = above[1] if above[0] == line - 1 and not _readings(above[1]) else []
-    units = [row if _is_units(row, letters=True) else _symbols(row) or [] for _, row in rows[place + 1 : below]]
+    parts = [_parts(row) for _, row in rows[place + 1 : below]]
     if _is_units(over):
-        units.append(over)
+        parts.append(_parts(over))
         over = []
     elif sum(cell != "" for cell in over) < 2:  # a title
         over = []
     header = []
-    for index in range(max(len(row), *(len(one) for one in units), 0)):
+    for index in range(max(len(row), *(len(one) for one in parts), 0)):
         name = shown(_at(row, index)) or shown(_at(over, index))
-        for one in units:
-            unit = str(_at(one, index)).strip()
+        for one in parts:
+            further, unit = one[index] if index < len(one) else ("", "")
+            name = name or further
             if unit:
-                name = f"{name} [{unit_of_cell(unit) or unit}]".strip()
+                name = f"{name} [{unit}]".strip()
         header.append(name)
     return header
+
+
+def _parts(row: Sequence[Cell]) -> list[tuple[str, str]]:
+    """Name and unit in each cell of a row of headings; in a row of units a word is a unit, too, which nobody knows.
+
+    Where units are in brackets, ``[min]``, ``Gauge 2``, words without them are names.
+    """
+    if not _is_units(row, letters=True):
+        return [("", unit) for unit in _symbols(row) or ()] or [(shown(cell), "") for cell in row]
+    cells = [str(cell).strip() for cell in row]
+    brackets = any(cell[:1] in "[({" and unit_of_cell(cell) is not None for cell in cells if cell)
+    parts = []
+    for cell in cells:
+        unit, best = unit_of_cell(cell), best_unit(units_of(cell))
+        if unit is None and best is not None and best.certain:
+            parts.append((best.label, best.text))
+        else:
+            named = unit is None and brackets and cell[:1] not in "[({"
+            parts.append((cell, "") if named else ("", unit or cell))
+    return parts
 
 
 def _at(row: Sequence[Cell], index: int) -> Cell:

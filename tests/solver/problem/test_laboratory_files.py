@@ -369,6 +369,11 @@ def test_lines_that_sum_up_are_no_readings(last: str, tmp_path: Path) -> None:
     assert observed(tmp_path, "a.csv", text, x_column="Zeit", **keys, **COLUMN).points.y == [0.0, 2.0]
 
 
+def test_min_in_a_column_of_units_sums_nothing_up(tmp_path: Path) -> None:
+    text = "Zeit;Einheit;Setzung [mm]\n0;min;0\n1;min;2\nMittel;;1\n"
+    assert observed(tmp_path, "a.csv", text, x_column="Zeit", x_unit="min", **COLUMN).points.y == [0.0, 2.0]
+
+
 def test_a_word_in_place_of_a_reading_says_what_to_do(tmp_path: Path) -> None:
     message = mistakes(tmp_path, "a.csv", "Zeit [d];Setzung [mm]\n0;0\nEnde;2\n", x_column="Zeit", **COLUMN)
     assert "'Ende' is not a finite number; incomplete_rows: leave_out passes over such rows" in message

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver.problem.tables.cells import file_content
+from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError
 
@@ -129,3 +129,17 @@ def test_missing_and_too_large_files(tmp_path: Path) -> None:
         file.truncate(MAX_TABLE_BYTES + 1)
     with pytest.raises(TableError, match="larger than"):
         read_table(tmp_path / "large.csv")
+
+
+@pytest.mark.parametrize(
+    ("below", "found"),
+    [
+        ("[min];Uhr 1;Uhr 2;kPa", ["Zeit [min]", "Setzung [mm]", "Uhr 2", "Last [kPa]"]),
+        ("[min];Uhr 1 [mm];Uhr 2 [cm];[kPa]", ["Zeit [min]", "Setzung [mm] [mm]", "Uhr 2 [cm]", "Last [kPa]"]),
+        (";Uhr 1;Uhr 2;\nmin;mm;mm;kPa", ["Zeit [min]", "Setzung [mm] [mm]", "Uhr 2 [mm]", "Last [kPa]"]),
+        ("min;furlongs;mm;kPa", ["Zeit [min]", "Setzung [mm] [furlongs]", "[mm]", "Last [kPa]"]),
+    ],
+)
+def test_names_in_a_second_row_are_no_units(below: str, found: list[str]) -> None:
+    text = f"Zeit;Setzung [mm];;Last\n{below}\n0;0;0;5\n1;2;3;5\n"
+    assert read_cells(text.encode(), "a.csv").header == found
