@@ -77,6 +77,7 @@ _VALUE_BEFORE = re.compile(
 """A word that makes the unit behind it a value, ``strain at 100 kPa``."""
 _LETTERS = re.compile(r"([A-Za-z]{1,3}):\1")  # a column without a heading: H:H are no hours
 _LETTER = re.compile(r"[^\W\dxeE_]|[%‰°]")
+_NUMBERED = re.compile(r"^[a-ln-zA-Z]\d+$|[A-Za-z]1(?!\d)")  # s1, A2, min1: names, not powers
 _LONGEST = 200
 
 
@@ -297,8 +298,8 @@ def _outside(text: str, heading: str) -> Iterable[Named]:
 
 
 def _is_symbol(letter: str, base: str | None, before: str) -> bool:
-    """Whether a letter is no unit of time, but an index, or the height in ``delta_h``: no word before it means time."""
-    return len(letter) == 1 and base == "day" and not {"time", "stage"} & {*quantities_of(before)}
+    """Whether ``h`` or ``min`` is no unit, but an index or the height in ``delta_h``: no word before it means time."""
+    return (len(letter) == 1 or letter == "min") and base == "day" and not {"time", "stage"} & {*quantities_of(before)}
 
 
 def _among(words: list[str], heading: str) -> Named | None:
@@ -378,6 +379,8 @@ def _spelled(text: str) -> str | None:
     """A unit without a factor in the words of the registry; None for what is none."""
     plain = re.sub(r"(?<=[A-Za-z])\s+(?=[A-Za-z]{1,3}\^?-[123]$)", "*", text.strip().rstrip(".:"))
     plain = plain.replace("·", "*").replace("^", "").replace("**", "")
+    if _NUMBERED.search(plain) is not None:
+        return None
     letter = len(plain) == 1 and plain.isupper() and plain not in "DHS"  # a symbol
     for given in (plain, *(() if plain in CASE_MATTERS else (plain.casefold(),))):
         if given in ALIASES and not letter:

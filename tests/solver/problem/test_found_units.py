@@ -226,6 +226,8 @@ def test_units_of_headings(heading: str, base: str, factor: float) -> None:
         "d_h",
         "Delta h",
         "sigma_h",
+        "sigma_min",
+        "s1",
         "eps [10^-9]",
     ],
 )
