@@ -67,7 +67,7 @@ ATOMS = frozenset(
 )
 """What a unit may be made of: the registry knows many words (rod, point, e) that mean something else in headings."""
 
-PARTS = r"zehntel|hundertstel|tausendstel|tenths?|hundredths?|thousandths?|(?:1\s?/\s?)?10{1,6}\s?-?(?:stel|tel|ths?)"
+PARTS = r"zehntel|hundertstel|tausendstel|tenths?|hundredths?|thousandths?|(?:1\s?/\s?)?10{1,6}\s?-?(?:stel|tel|th[s]?)"
 """Words for parts of a unit, as a regular expression."""
 
 _PART = re.compile(rf"^({PARTS})(?: of(?: an?)?)?[ -]?(?=\S)", re.IGNORECASE)

@@ -122,6 +122,12 @@ def test_the_cover_of_a_workbook_is_passed_over() -> None:
     assert [column.quantities[0] for column in found.columns] == ["time", "settlement"]
 
 
+def test_sheets_with_the_same_headings_are_named() -> None:
+    content = workbook(("Tabelle", PLACES), ("Versuch01", READ), ("Versuch02", READ.replace("Zeit", "ZEIT")))
+    assert read_measurements(content, "a.xlsx").alike == ("Versuch01", "Versuch02")
+    assert read_measurements(content, "a.xlsx", "Tabelle").alike == ()
+
+
 def test_a_sheet_without_numbers_still_offers_the_others() -> None:
     content = workbook(("Cover", COVER), ("Notes", sheet_rows(("none",))))
     found = read_measurements(content, "a.xlsx", "Notes")
