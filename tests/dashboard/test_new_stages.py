@@ -19,7 +19,7 @@ from tests.solver.problem.test_sheets import LYING
 
 Visit = Callable[..., Opened]
 
-HEADINGS = ("t [min]", "s [mm]")
+HEADINGS = ("歷時(min)", "沉陷S(mm)")
 SHEETS = (
     ("9 kPa", sheet_rows(HEADINGS, (0, 0), (60, 0.2), (1440, 0.3))),
     ("13 kPa", sheet_rows(HEADINGS, (0, 0.3), (60, 0.4), (1440, 0.5))),
@@ -112,7 +112,10 @@ def test_stages_on_sheets_of_their_own_are_joined(embedded: Site, visit: Visit) 
     page, _ = visit(embedded, "/new?example=oedometer")
     mapping = drop(page, workbook(("Data", sheet_rows(("h [mm]", "d [mm]"), (20, 70))), *SHEETS), "own.xlsx")
     expect(chosen(mapping, "Sheet")).to_have_text("9 kPa")
+    expect(chosen(mapping, "Series")).to_have_text("settlement: replaces 226 readings")  # by the units alone
     mapping.get_by_label("Join the 2 sheets with these headings, one after the other: 9 kPa, 13 kPa").check()
     expect(mapping.get_by_role("status")).to_contain_text("2 blocks were joined, x of each from the start of its stage")
     mapping.get_by_role("button", name=re.compile("Replace settlement")).click()
-    expect(yaml(page)).to_have_value(re.compile(r"x: \[0(\.0)?, 60(\.0)?, 1440(\.0)?, 2880(\.0)?, 2940(\.0)?, 4320(\.0)?\]"))
+    expect(yaml(page)).to_have_value(
+        re.compile(r"x: \[0(\.0)?, 60(\.0)?, 1440(\.0)?, 2880(\.0)?, 2940(\.0)?, 4320(\.0)?\]")
+    )

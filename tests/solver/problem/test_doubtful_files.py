@@ -256,6 +256,12 @@ def test_what_is_wrong_is_told_with_its_field(given: str, path: str, message: st
         ("Radialdehnung", "radial_strain"),
         ("radial displacement", "radial_displacement"),
         ("Seitendruck", "lateral_stress"),
+        ("confining_pressure", "lateral_stress"),
+        ("sigma3'", "lateral_stress"),
+        ("sigma_r", "lateral_stress"),
+        ("sigma_v", "axial_stress"),
+        ("shearstrain", "shear_strain"),
+        ("test_id", "specimen"),
         ("Radialspg.", "lateral_stress"),
         ("Axialspg.", "axial_stress"),
         ("Verformung", "settlement"),
@@ -266,6 +272,12 @@ def test_words_of_laboratories_are_understood(heading: str, meant: str) -> None:
     found = quantities_of(heading)
     assert found[0] == meant
     assert quantities_of(heading.upper()) == found
+
+
+def test_words_that_are_written_together_are_understood() -> None:
+    assert quantities_of("ShearStrain")[0] == "shear_strain"
+    assert quantities_of("TimeSinceStartOfTest")[0] == "time"
+    assert quantities_of("Specimen Air Volume") == ()
 
 
 @pytest.mark.parametrize("heading", ["column 1", "x", "y", "temperature", "Wassergehalt", "Kanal 3", "Radialvol.", ""])
