@@ -161,7 +161,7 @@ def _void_ratio(readings: StagedReadings) -> Iterator[Doubt]:
     unit = f"{readings.path}.y_unit"
     remedy: Sentence = ("; check the column and ", setting(unit))
     if meant is not None:
-        remedy = (f"; if they are in {meant[0]}: ", Key(unit, f"y_unit: '{meant[0]}'", meant[0]))
+        remedy = (f"; if they are in {meant[0]}: ", setting(unit, meant[0]))
     seen = (
         f"a void ratio of {readings.in_data(wrong)} is outside what soils have, {_VOID_RATIO[0]:g} to "
         f"{_VOID_RATIO[1]:g}"
