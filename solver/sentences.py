@@ -46,7 +46,8 @@ class SentenceError(ValueError):
 def setting(path: str, value: str = "") -> Key:
     """A key by its own name, without where it stands, and what to give it."""
     name = path.rpartition(".")[2]
-    return Key(path, f"{name}: {value}" if value else name, value)
+    written = "'%'" if value == "%" else value  # as YAML needs it
+    return Key(path, f"{name}: {written}" if value else name, value)
 
 
 def plain(parts: Iterable[str | Key]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from fractions import Fraction
 from functools import cache, lru_cache
 from typing import Any
@@ -12,7 +13,16 @@ import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray
 
-__all__ = ["UnitError", "base_unit", "convert", "convert_difference", "same_unit", "shown_unit"]
+__all__ = [
+    "UnitError",
+    "base_unit",
+    "convert",
+    "convert_difference",
+    "meant_unit",
+    "same_unit",
+    "shown_unit",
+    "with_unit",
+]
 
 _PURE = ("", "1", "-", "dimensionless")
 
@@ -27,6 +37,17 @@ _EXAMPLES = {
     "degree": "degree, rad",
     "dimensionless": "1, %",
 }
+_CANDIDATES = {
+    "m": ("mm", "cm", "um", "0.01 mm", "inch"),
+    "kPa": ("Pa", "MPa", "bar", "kgf/cm^2", "psi"),
+    "day": ("h", "min", "s"),
+    "degree": ("rad",),
+    "kN/m³": ("N/m^3",),
+    "": ("%",),
+    "1": ("%",),
+    "dimensionless": ("%",),
+}
+"""What is mistaken for another unit, the likeliest first."""
 
 
 class UnitError(ValueError):
@@ -193,3 +214,26 @@ def _root(unit: str, examples: str) -> tuple[Fraction, str]:
             f"unit '{unit}' is not a plain multiple of {examples.split(',')[-1].strip()}; use a unit without offset"
         )
     return exact, str(root)
+
+
+def meant_unit(
+    value: float, base: str, usual: Callable[[float], bool], *, given: str | None = None
+) -> tuple[str, float] | None:
+    """Return the unit in which a value is a usual one, and that value in the base unit; None where there is none.
+
+    ``value`` is in the base unit and was given in the unit ``given``, the base unit where that is None.
+    """
+    base = base.replace("³", "^3")
+    written = value if given is None else float(convert(value, base or "1", given or "1"))
+    for unit in (base or "1", *_CANDIDATES.get(base.replace("^3", "³"), ())):
+        if same_unit(unit, base if given is None else given):
+            continue
+        moved = float(convert(written, unit, base or "1"))
+        if usual(moved):
+            return unit, moved
+    return None
+
+
+def with_unit(value: float, unit: str) -> str:
+    """A value as a sentence shows it."""
+    return f"{value:.6g} {shown_unit(unit)}".rstrip()

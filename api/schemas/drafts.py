@@ -138,6 +138,7 @@ class MeasurementFile(Model):
     rows: int
     columns: list[MeasurementColumn]
     formulas: list[str] = Field(description="cells of the sheet whose formula has no stored value")
+    alike: list[str] = Field(description="sheets with the headings of this one, where there are several")
 
 
 class MeasuredPoints(Model):

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from geoswarm.solver.classical.compression import first_loading
-from geoswarm.solver.classical.errors import NoEvaluationError
+from geoswarm.solver.classical.curves import NoEvaluationError
 from geoswarm.solver.estimates.compression import compression_readings
 from geoswarm.solver.estimates.index import TestOfLaw
 from geoswarm.solver.estimates.stage_ends import load_tests

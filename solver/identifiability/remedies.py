@@ -109,7 +109,8 @@ class Remedy:
 
     @property
     def _units(self) -> Sequence[Mapping[str, str]]:
-        return self.values.get("units", ())
+        units: Sequence[Mapping[str, str]] = self.values.get("units", ())
+        return units
 
     @property
     def _or_stage_ends(self) -> str:

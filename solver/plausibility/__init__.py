@@ -10,7 +10,6 @@ A finding is a sentence and a warning; only readings that no soil can have are e
 ``loads``         loads of a test in stages that the readings do not show
 ``weights``       series of different units without weights
 ``staged``        observations of laboratory tests with loads in stages, wherever in a problem they stand
-``units``         the unit in which a number was probably meant
 ================  =======================================================================================
 """
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from geoswarm.solver.plausibility.units import with_unit
 from geoswarm.solver.problem import FreeParameter, Problem
 from geoswarm.solver.sentences import Key, Sentence, setting
+from geoswarm.solver.units import with_unit
 
 if TYPE_CHECKING:
     from geoswarm.solver.estimates.index import ParameterEstimate

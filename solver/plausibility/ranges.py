@@ -16,9 +16,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from geoswarm.solver.forward.base import ParameterInfo
-from geoswarm.solver.plausibility.units import meant_unit, with_unit
 from geoswarm.solver.problem import FixedParameter, FreeParameter, Problem
 from geoswarm.solver.sentences import Key, Sentence
+from geoswarm.solver.units import meant_unit, with_unit
 
 __all__ = ["unusual_values"]
 

@@ -15,11 +15,10 @@ from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.laboratory.section import FlowSpec, LaboratorySpec
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
-from geoswarm.solver.plausibility.units import meant_unit, with_unit
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test
 from geoswarm.solver.sentences import Key, Sentence, plain, setting
-from geoswarm.solver.units import convert
+from geoswarm.solver.units import convert, meant_unit, with_unit
 from geoswarm.solver.words import per_cent
 
 __all__ = ["Doubt", "doubtful_readings"]
@@ -35,12 +34,17 @@ _NEGATIVE = 3.0
 """The lowest reading is negative, and so many times as far from zero as the highest."""
 _STRESSES, _USUAL_STRESSES = (1.0e-3, 1.0e3), (0.02, 20.0)
 """Largest stress that is read over the largest one that is applied: what is possible, and what is usual."""
+_SHEARED, _STRENGTHS, _USUAL_STRENGTHS = 0.01, (0.06, 30.0), (0.06, 5.0)
+"""Strain from which soils have some strength; their largest shear stress over the largest stress applied, twice."""
+_SHORT, _WHOLE = 0.02, (0.5, 1.02)
+"""Part of the strain at the end of a test that readings seldom end before; what they reach in the right unit."""
 _AT_FIRST, _OFFSET = 2.0e-3, 5.0
 """Part of the largest x up to which a reading is one of the beginning; kPa that its pore pressure may be off."""
 _ANEW, _SOME = 0.02, 2
 """Part of the range of x from its beginning within which readings begin anew, and how many are then another test."""
 _SYMBOLS = frozenset(("q", "p'", "τ", "σ'v"))
 """Quantities of series that are stresses."""
+_SHEAR = frozenset(("q", "τ"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +108,7 @@ def doubtful_readings(problem: Problem) -> Iterator[Doubt]:
         if isinstance(spec, LaboratorySpec):
             yield from _of_any_law(f"observations[{index}]", one, infos[one.series], spec)
             yield from _begins_anew(f"observations[{index}]", one, infos[one.series])
+            yield from _ends_early(f"observations[{index}]", one, infos[one.series], spec)
             if name == "pore_pressure" and not isinstance(spec, FlowSpec):
                 yield from _back_pressure(f"observations[{index}]", one, section, getattr(spec, "back_pressure", 0.0))
 
@@ -160,7 +165,7 @@ def _void_ratio(readings: StagedReadings) -> Iterator[Doubt]:
     unit = f"{readings.path}.y_unit"
     remedy: Sentence = ("; check the column and ", setting(unit))
     if meant is not None:
-        remedy = (f"; if they are in {meant[0]}: ", Key(unit, f"y_unit: '{meant[0]}'", meant[0]))
+        remedy = (f"; if they are in {meant[0]}: ", setting(unit, meant[0]))
     seen = (
         f"a void ratio of {readings.in_data(wrong)} is outside what soils have, {_VOID_RATIO[0]:g} to "
         f"{_VOID_RATIO[1]:g}"
@@ -203,16 +208,41 @@ def _of_any_law(place: str, observation: Observation, info: SeriesInfo, spec: La
             what = f"{largest / load:.2g} times the largest stress that is applied, {load:g} kPa"
         else:
             continue
-        if low <= largest / scale <= high:
+        possible = low <= largest / scale <= high
+        if possible and (quantity not in _SHEAR or _usual_strength(observation, info, largest / scale)):
             continue
         unit = given or base
+        usual = _USUAL_STRENGTHS if possible else usual
         meant = meant_unit(largest, base, partial(_within, scale, usual), given=unit)
         if meant is not None:
             what += f"; in {meant[0]} it would be {with_unit(float(f'{meant[1]:.2g}'), base)}"
         shown = with_unit(float(f"{float(convert(largest, base or '1', unit or '1')):.3g}"), unit)
         seen = f"the largest value of {quantity}, {shown}, is {what}"
         remedy = _unit(place, axis, unit, meant)
-        yield Doubt(observation.series, place, f"{axis}_unit", seen, remedy, True, meant and meant[0])
+        yield Doubt(observation.series, place, f"{axis}_unit", seen, remedy, not possible, meant and meant[0])
+
+
+def _usual_strength(observation: Observation, info: SeriesInfo, part: float) -> bool:
+    """Whether the largest shear stress is a usual part of the stress that is applied, once the soil is sheared."""
+    sheared = "strain" in info.x_quantity and float(np.abs(observation.x).max()) >= _SHEARED
+    return (part >= _STRENGTHS[0] or not sheared) and part <= _STRENGTHS[1]
+
+
+def _ends_early(place: str, observation: Observation, info: SeriesInfo, spec: LaboratorySpec) -> Iterator[Doubt]:
+    """Strains that end soon after the beginning of a test, and with it in another unit."""
+    name = info.x_quantity.replace(" ", "_")
+    if "strain" not in name:
+        return
+    end = max((abs(getattr(stage, name, None) or 0.0) for stage in getattr(spec, "shearing", ())), default=0.0)
+    largest, unit = float(np.abs(observation.x).max()), observation.x_unit or info.x_unit
+    if not 0.0 < largest < _SHORT * end:
+        return
+    meant = meant_unit(largest, info.x_unit, partial(_within, end, _WHOLE), given=unit)
+    if meant is not None:
+        shown = with_unit(float(f"{float(convert(largest, info.x_unit or '1', unit or '1')):.3g}"), unit)
+        part = f"{largest / end:.1g} of that of the test, {end:g}"
+        seen = f"{info.x_quantity} ends at {shown}, {part}; in {meant[0]} it fits"
+        yield Doubt(observation.series, place, "x_unit", seen, _unit(place, "x", unit, meant), False)
 
 
 def _begins_anew(place: str, observation: Observation, info: SeriesInfo) -> Iterator[Doubt]:

@@ -20,11 +20,12 @@ from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
 from geoswarm.solver.sentences import Key, Sentence, setting
-from geoswarm.solver.units import UnitError, convert, shown_unit
+from geoswarm.solver.units import UnitError, convert, meant_unit, shown_unit
 from geoswarm.solver.words import did_you_mean
 
 __all__ = ["Observation", "build_observations", "preparation_issues"]
 
+_SPANNED = 0.5  # part of a test that readings in the right unit span
 _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
 _LEAST_SCALE = 1e-150  # of a loss: its square is an ordinary number
 _MOST_ISSUES = 100
@@ -327,6 +328,10 @@ def _checked_x(
             found += f"; {len(places)} points are, {number(min(values))} to {number(max(values))}{_suffix(unit)}"
         if low == 0.0 and not (x > slack).any():
             return x, (f"{found}; ", setting("x_factor", "-1"), " turns the sign")
+        reached = _SPANNED * high, high + slack  # by the readings of a whole test
+        meant = meant_unit(float(x.max()), info.x_unit, lambda value: reached[0] <= value <= reached[1], given=unit)
+        if meant is not None:
+            return x, (f"{found}; in {meant[0]} they would fit: ", setting("x_unit", meant[0]))
         return x, (found,)
     x = np.clip(x, low, high)
     if info.x_increasing and len(x) > 1:

@@ -12,11 +12,18 @@ from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_new_import import chosen, drop, yaml
 from tests.solver.problem.test_blocks import SIDE
+from tests.solver.problem.test_laboratory_files import sheet_rows
 from tests.solver.problem.test_load_stages import ANEW
 from tests.solver.problem.test_measurements import workbook
 from tests.solver.problem.test_sheets import LYING
 
 Visit = Callable[..., Opened]
+
+HEADINGS = ("歷時(min)", "沉陷S(mm)")
+SHEETS = (
+    ("9 kPa", sheet_rows(HEADINGS, (0, 0), (60, 0.2), (1440, 0.3))),
+    ("13 kPa", sheet_rows(HEADINGS, (0, 0.3), (60, 0.4), (1440, 0.5))),
+)
 
 
 def test_a_column_of_loads_fills_in_the_stages_and_joins_their_readings(embedded: Site, visit: Visit) -> None:
@@ -97,3 +104,18 @@ def test_stages_side_by_side_are_joined(embedded: Site, visit: Visit) -> None:
     mapping.get_by_role("button", name=re.compile("Replace settlement")).click()
     expect(yaml(page)).to_have_value(re.compile(r"x: \[0, 60, 1440, 2880, 2910, 3600, 4320\]"))
     check_accessibility(page)
+
+
+@pytest.mark.slow
+def test_stages_on_sheets_of_their_own_are_joined(embedded: Site, visit: Visit) -> None:
+    """Only the readings of one sheet could be taken."""
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(page, workbook(("Data", sheet_rows(("h [mm]", "d [mm]"), (20, 70))), *SHEETS), "own.xlsx")
+    expect(chosen(mapping, "Sheet")).to_have_text("9 kPa")
+    expect(chosen(mapping, "Series")).to_have_text("settlement: replaces 226 readings")  # by the units alone
+    mapping.get_by_label("Join the 2 sheets with these headings, one after the other: 9 kPa, 13 kPa").check()
+    expect(mapping.get_by_role("status")).to_contain_text("2 blocks were joined, x of each from the start of its stage")
+    mapping.get_by_role("button", name=re.compile("Replace settlement")).click()
+    expect(yaml(page)).to_have_value(
+        re.compile(r"x: \[0(\.0)?, 60(\.0)?, 1440(\.0)?, 2880(\.0)?, 2940(\.0)?, 4320(\.0)?\]")
+    )

@@ -95,7 +95,7 @@ class WithoutTests:
         rows = {
             name: {
                 "values": {test: _known(value) for test, value in zip(self.tests, column.tolist(), strict=True)},
-                "interval": None if np.isnan(ends).any() else ends.tolist(),
+                "interval": ends.tolist() if np.isfinite(ends).all() else None,
                 "pulls": self.pulling(name),
             }
             for name, column, ends in zip(self.names, self.values.T, self.intervals, strict=True)

@@ -20,9 +20,10 @@ __all__ = ["natural_moves", "notes_on", "refitted", "with_refits"]
 
 
 def natural_moves(space: SearchSpace, optimum: FloatArray, moves: FloatArray) -> FloatArray:
-    """Natural values of moves (k, d) from the optimum, parts of the range; beyond the bounds, too."""
+    """Natural values of moves (k, d) from the optimum, parts of the range; beyond the bounds, too, to infinity."""
     places = space.to_search(optimum) + moves * (space.search_upper - space.search_lower)
-    return np.asarray(np.where(space.log, np.exp(np.where(space.log, places, 0.0)), places))
+    with np.errstate(over="ignore"):
+        return np.asarray(np.where(space.log, np.exp(np.where(space.log, places, 0.0)), places))
 
 
 def refitted(search: LeavingOutSearch, space: SearchSpace, level: float) -> WithoutTests | None:

@@ -126,7 +126,8 @@ class FitVerdict:
     @property
     def headline(self) -> str:
         """What stands above all results; empty where nothing has to."""
-        return headline_of(self.kind, self.misfits)
+        unfit = not self.misfits and any(remedy.kind == "check_readings" for remedy in self.remedies)
+        return "The readings do not fit this specimen" if unfit else headline_of(self.kind, self.misfits)
 
     def to_json(self) -> dict[str, Any]:
         """Plain JSON values."""
@@ -146,7 +147,7 @@ def unfit_readings(problem: Problem) -> FitVerdict | None:
     if not doubts:
         return None
     each = ". ".join(f"{doubt.series}: {doubt.seen}" for doubt in doubts)
-    return FitVerdict("lack_of_fit", f"The readings do not fit this specimen. {each}.", (), (check_readings(doubts),))
+    return FitVerdict("lack_of_fit", f"{each}.", (), (check_readings(doubts),))
 
 
 def examine_fit(

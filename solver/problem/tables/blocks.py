@@ -14,6 +14,7 @@ from geoswarm.solver.problem.tables.headings import (
     best_unit,
     guess_unit,
     is_unit,
+    known_unit,
     number_with_unit,
     units_of,
     without_brackets,
@@ -99,9 +100,21 @@ def unit_of_cell(cell: Cell) -> str | None:
 def with_units(cells: Sequence[str], width: int) -> Sequence[str]:
     """Headings between blanks with their units, where these then are as many as there are columns; else as they are.
 
-    Each column has one word with a unit or without, or each ends with a unit. A letter is a unit behind a sign only:
-    it may be a name.
+    Each column has one word with a unit or without, or each ends with a unit. A letter, which may be a name, is a unit
+    behind a sign, else only where the columns are as many then, and the word before it suits: ``Zeit h``.
     """
+    names, ends = _joined(cells)
+    suited = names if len(names) == width else _joined(cells, letters=True)[0]
+    if len(suited) == width:
+        return suited
+    if ends and ends[-1] and sum(ends) == width:
+        starts = [0, *(place for place, end in enumerate(ends, 1) if end)]
+        return [" ".join(names[start:end]) for start, end in itertools.pairwise(starts)]
+    return cells
+
+
+def _joined(cells: Sequence[str], *, letters: bool = False) -> tuple[list[str], list[bool]]:
+    """Words with the units behind them, and which of them end with one."""
     names: list[str] = []
     ends: list[bool] = []
     place = 0
@@ -110,7 +123,8 @@ def with_units(cells: Sequence[str], width: int) -> Sequence[str]:
         first = place + (cells[place] in _JOINING)
         for count in (3, 2, 1):
             unit = " ".join(cells[first : first + count])
-            if names and is_unit(unit) and (joined or len(unit) > 1 or unit in "%‰°"):
+            letter = len(unit) == 1 and unit not in "%‰°" and not (letters and names and _suits(unit, names[-1]))
+            if names and is_unit(unit) and (joined or not letter):
                 names[-1] = " ".join([names[-1], *cells[place : first + count]])
                 ends[-1] = True
                 place = first + count
@@ -119,12 +133,13 @@ def with_units(cells: Sequence[str], width: int) -> Sequence[str]:
             names.append(cells[place])
             ends.append(cells[place][-1:] in "])}")
             place += 1
-    if len(names) == width:
-        return names
-    if ends and ends[-1] and sum(ends) == width:
-        starts = [0, *(place for place, end in enumerate(ends, 1) if end)]
-        return [" ".join(names[start:end]) for start, end in itertools.pairwise(starts)]
-    return cells
+    return names, ends
+
+
+def _suits(letter: str, name: str) -> bool:
+    """Whether a letter is a unit of what a name means: ``h`` of a time, ``m`` of a settlement."""
+    base, meant = known_unit(letter)[1], quantities_of(name)
+    return (base == "day" and "time" in meant) or (base == "m" and "settlement" in meant)
 
 
 def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
@@ -233,25 +248,46 @@ def _keys(heading: str) -> tuple[str, ...]:
 
 
 def _header(rows: Rows, place: int, below: int) -> list[str]:
-    """Names with their units; a name left empty is that of the row directly above, as in merged cells."""
+    """Names with their units; a name left empty is that of the row directly above, as in merged cells, or below."""
     line, row = rows[place]
     above = rows[place - 1] if place else (0, [])
     over = above[1] if above[0] == line - 1 and not _readings(above[1]) else []
-    units = [row if _is_units(row, letters=True) else _symbols(row) or [] for _, row in rows[place + 1 : below]]
+    parts = [_parts(row) for _, row in rows[place + 1 : below]]
     if _is_units(over):
-        units.append(over)
+        parts.append(_parts(over))
         over = []
     elif sum(cell != "" for cell in over) < 2:  # a title
         over = []
     header = []
-    for index in range(max(len(row), *(len(one) for one in units), 0)):
+    for index in range(max(len(row), *(len(one) for one in parts), 0)):
         name = shown(_at(row, index)) or shown(_at(over, index))
-        for one in units:
-            unit = str(_at(one, index)).strip()
+        for one in parts:
+            further, unit = one[index] if index < len(one) else ("", "")
+            name = name or further
             if unit:
-                name = f"{name} [{unit_of_cell(unit) or unit}]".strip()
+                name = f"{name} [{unit}]".strip()
         header.append(name)
     return header
+
+
+def _parts(row: Sequence[Cell]) -> list[tuple[str, str]]:
+    """Name and unit in each cell of a row of headings; in a row of units a word is a unit, too, which nobody knows.
+
+    Where units are in brackets, ``[min]``, ``Gauge 2``, words without them are names.
+    """
+    if not _is_units(row, letters=True):
+        return [("", unit) for unit in _symbols(row) or ()] or [(shown(cell), "") for cell in row]
+    cells = [str(cell).strip() for cell in row]
+    brackets = any(cell[:1] in "[({" and unit_of_cell(cell) is not None for cell in cells if cell)
+    parts = []
+    for cell in cells:
+        unit, best = unit_of_cell(cell), best_unit(units_of(cell))
+        if unit is None and best is not None and best.certain:
+            parts.append((best.label, best.text))
+        else:
+            named = unit is None and brackets and cell[:1] not in "[({"
+            parts.append((cell, "") if named else ("", unit or cell))
+    return parts
 
 
 def _at(row: Sequence[Cell], index: int) -> Cell:

@@ -10,7 +10,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import TypeAlias
 
-from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, with_units
+from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
 from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import (
@@ -251,7 +251,7 @@ def _body(rows: list[tuple[int, list[Cell]]], block: Block) -> list[tuple[int, l
     """Rows below the headings, without the same headings once more and without lines of words at the end."""
     heads = [row for _, row in rows[block.place : block.below]]
     body = [(line, row) for line, row in rows[block.below :] if row not in heads]
-    while body and (_is_line_of_words(body[-1][1]) or _is_summary(body[-1][1])):
+    while body and (_is_line_of_words(body[-1][1]) or _is_summary(body[-1][1], body[0][1])):
         body.pop()
     return body
 
@@ -261,9 +261,12 @@ def _is_line_of_words(row: list[Cell]) -> bool:
     return len(filled) == 1 and not is_reading(filled[0]) and _WORD.search(str(filled[0])) is not None
 
 
-def _is_summary(row: list[Cell]) -> bool:
-    """Whether a row below the readings says what it sums up: ``Mittelwert;0,47``."""
-    return any(isinstance(cell, str) and _SUMMARY.fullmatch(cell) is not None for cell in row)
+def _is_summary(row: list[Cell], first: list[Cell]) -> bool:
+    """Whether a row below the readings says what it sums up: ``Mittelwert;0,47``; not ``min`` in a column of units."""
+    return any(
+        isinstance(cell, str) and _SUMMARY.fullmatch(cell) is not None and not unit_of_cell(above)
+        for cell, above in zip_longest(row, first[: len(row)], fillvalue="")
+    )
 
 
 def _only_numbers(row: list[Cell]) -> bool:

@@ -31,6 +31,7 @@ from geoswarm.solver.problem.tables.picking import (
     column_of,
     is_cells,
     is_range,
+    refuse_parts_of_time,
     rows_where,
     sheet_of_names,
 )
@@ -161,6 +162,8 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
         raise TableError(f"{name} has a header but no points")
     rows = rows_where(sheet, columns.where, name, columns.turn)
     reader = _Reader(name, sheet, columns, all_picked(sheet, rows, wanted, name))
+    body = [row for _, row in rows] if quick is None else quick[1]
+    refuse_parts_of_time(sheet.header, reader.columns["x"], body, name)
     if quick is None:
         found = reader.table()
     elif columns.origin is not None:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from geoswarm.solver.problem.tables.quantities import quantities_of
-from geoswarm.solver.problem.tables.unit_words import ALIASES, ATOMS, CASE_MATTERS
+from geoswarm.solver.problem.tables.unit_words import ALIASES, ATOMS, CASE_MATTERS, PARTS, in_signs
 from geoswarm.solver.units import UnitError, base_unit, convert
 
 __all__ = [
@@ -29,22 +29,11 @@ __all__ = [
 
 BASES = ("day", "m", "kPa", "degree", "dimensionless")
 _FACTOR = re.compile(
-    r"(?P<factor>1\s?/\s?10{1,6}|(?:(?:1\s?)?[x×*·]\s?)?10(?:\^[-−]?|[-−])\d|1[eE][-+]?\d{1,2}|(?:[x×*·]\s?)?\d{1,6}(?:[.,]\d{1,6})?)"
+    r"(?P<factor>1\s?/\s?10{1,6}|(?:(?:1\s?)?[x×*·]\s?)?10(?:\^[-−]?|[-−])\d|1[eE][-+]?\d{1,2}|(?:[x×*·]\s?)?(?:\d{1,6}(?:[.,]\d{1,6})?|[.,]\d{1,6}))"
     r"(?:\s*[x×*·]\s*|\s*)(?P<unit>.*)"
 )
-_PARTS = {
-    "zehnt": "1/10 ",
-    "hunde": "1/100 ",
-    "tause": "1/1000 ",
-    "tenth": "1/10 ",
-    "hundr": "1/100 ",
-    "thous": "1/1000 ",
-}
-_PART = re.compile(
-    r"^(zehntel|hundertstel|tausendstel|tenths?|hundredths?|thousandths?)(?: of(?: an?)?)?[ -]?(?=\S)", re.IGNORECASE
-)
 _SMALL = re.compile(
-    r"1\s?/\s?10|(?:[x×*·]\s?)?0[.,]\d|\D{0,4}10\^?[-−]|1[eE]-"
+    r"1\s?/\s?10|(?:[x×*·]\s?)?0?[.,]\d|\D{0,4}10\^?[-−]|1[eE]-"
 )  # what a dial gauge divides by; "in 5 m depth" is a place
 _SQUARE = re.compile(r"(?<![A-Za-z])sq\.?\s?([A-Za-z]{1,4})\b\.?", re.IGNORECASE)
 _EXPONENT = re.compile("(?<![⁰¹²³⁴⁵⁶⁷⁸⁹⁻])(?=[⁰¹²³⁴⁵⁶⁷⁸⁹⁻])")
@@ -57,10 +46,12 @@ _VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\
 _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of a word only: linear in the text
 _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)
 _SYMBOLS = frozenset("tglAVN")  # in round brackets a unit only where one of its dimension is needed: time, test A
-_STEP_BEFORE = re.compile(r"(?:1/10+|0[.,]\d+|10\^?-\d)_")
+_STEP_BEFORE = re.compile(rf"(?:1/10+|0[.,]\d+|10\^?-\d|{PARTS})_", re.IGNORECASE)
+_SLASHES = str.maketrans({"⁄": "/", "∕": "/", "⅟": "1/"})
 _SCALED = (
-    r"[×*·]\s*\d|(?<![^\W\d_])x\s*(?:10|0[.,])|\d+\s*[×*·]|(?<![\d.,])10+\s*x|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
-    r"|(?<!\w)(?:1?e[-+]|1e)\d|(?<![\d/])\s*/\s*10+(?![\d/])|fa[ck]tor\s*[=:]?\s*\d|(?<!\w)[½⅓¼¾]"
+    r"[×*·÷]\s*\d|(?<![^\W\d_])x\s*(?:10|0[.,])|\d+\s*[×*·]|(?<![\d.,])10+\s*x|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
+    r"|(?<!\w)1e\d|(?<![^\W\d_])(?:\d[\d.,]*)?e[-+]\d|(?<![\w.,/])1\s?/\s?10+(?!\d)|(?<![\d.,])0?[.,]0*1(?![\d.,])|/[₀-₉]"
+    rf"|(?<!\w)(?:{PARTS})(?![^\W\d])|(?<![\d:])(?:10+\s?:\s?1|1\s?:\s?10+)(?![\d:])|(?<![\d/])\s*/\s*10+(?![\d/])|fa[ck]tor\s*[=:]?\s*\d|(?<!\w)[½⅓¼¾]"
     r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
 )
 _ALTERED = re.compile(
@@ -86,6 +77,7 @@ _VALUE_BEFORE = re.compile(
 """A word that makes the unit behind it a value, ``strain at 100 kPa``."""
 _LETTERS = re.compile(r"([A-Za-z]{1,3}):\1")  # a column without a heading: H:H are no hours
 _LETTER = re.compile(r"[^\W\dxeE_]|[%‰°]")
+_NUMBERED = re.compile(r"^[a-ln-zA-Z]\d+$|[A-Za-z]1(?!\d)")  # s1, A2, min1: names, not powers
 _LONGEST = 200
 
 
@@ -215,7 +207,7 @@ def known_unit(text: str) -> tuple[str | None, str | None]:
 @functools.lru_cache(maxsize=4096)
 def units_of(heading: str) -> tuple[Named, ...]:
     """All units that a heading names, in square brackets first; also what stands in such brackets and is not known."""
-    heading = " ".join(heading.split())
+    heading = " ".join(heading.split()).translate(_SLASHES)
     if len(heading) > _LONGEST or _LETTERS.fullmatch(heading) is not None:
         return ()
     found: list[Named] = []
@@ -306,13 +298,13 @@ def _outside(text: str, heading: str) -> Iterable[Named]:
 
 
 def _is_symbol(letter: str, base: str | None, before: str) -> bool:
-    """Whether a letter is no unit of time, but an index, or the height in ``delta_h``: no word before it means time."""
-    return len(letter) == 1 and base == "day" and not {"time", "stage"} & {*quantities_of(before)}
+    """Whether ``h`` or ``min`` is no unit, but an index or the height in ``delta_h``: no word before it means time."""
+    return (len(letter) == 1 or letter == "min") and base == "day" and not {"time", "stage"} & {*quantities_of(before)}
 
 
 def _among(words: list[str], heading: str) -> Named | None:
-    """The longest unit of one to three words anywhere; single letters are symbols, ``in`` joins words."""
-    for count in (3, 2, 1):
+    """The longest unit of one to four words anywhere; single letters are symbols, ``in`` joins words."""
+    for count in (4, 3, 2, 1):
         for start in range(len(words) - count, -1, -1):
             given = " ".join(words[start : start + count]).strip(",;:")
             if (len(given) < 2 and given not in "%‰") or given.casefold() == "in" or given[:1] in "/,-–|":
@@ -347,8 +339,7 @@ def _known(text: str, small: bool = False) -> tuple[str | None, str | None]:
 
     ``small``: only factors below 1, and a 1 alone is not a unit.
     """
-    text = _PART.sub(lambda found: _PARTS[found[1][:5].casefold()], text.strip())
-    text = _SQUARE.sub(r"\1^2", text)
+    text = _SQUARE.sub(r"\1^2", in_signs(text.strip()))
     text = _EXPONENT.sub("^", text).translate(_RAISED)
     if not text or len(text) > 40 or (small and text == "1"):  # "Sensor 1"
         return None, None
@@ -388,6 +379,8 @@ def _spelled(text: str) -> str | None:
     """A unit without a factor in the words of the registry; None for what is none."""
     plain = re.sub(r"(?<=[A-Za-z])\s+(?=[A-Za-z]{1,3}\^?-[123]$)", "*", text.strip().rstrip(".:"))
     plain = plain.replace("·", "*").replace("^", "").replace("**", "")
+    if _NUMBERED.search(plain) is not None:
+        return None
     letter = len(plain) == 1 and plain.isupper() and plain not in "DHS"  # a symbol
     for given in (plain, *(() if plain in CASE_MATTERS else (plain.casefold(),))):
         if given in ALIASES and not letter:

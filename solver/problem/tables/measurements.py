@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from geoswarm.solver.problem.tables.blocks import begin
+from geoswarm.solver.problem.tables.blocks import begin, key
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
@@ -33,6 +33,7 @@ _FIRST_ROWS = 8
 _MOST_ENTRIES = 50
 _LONGEST_CELL = 60
 _MOST_FORMULAS = 10
+_MOST_BYTES_OF_SHEETS = 2**24
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +88,10 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Measurements:
-    """What a file holds; ``sheets`` is empty for CSV. ``formulas`` names cells whose formula nobody has calculated."""
+    """What a file holds; ``sheets`` is empty for CSV. ``formulas`` names cells whose formula nobody has calculated.
+
+    ``alike`` are the sheets with these headings, where there are several.
+    """
 
     name: str
     sheets: tuple[str, ...]
@@ -95,6 +99,7 @@ class Measurements:
     rows: int
     columns: tuple[Column, ...]
     formulas: tuple[str, ...] = ()
+    alike: tuple[str, ...] = ()
 
 
 def read_measurements(content: bytes, name: str, sheet: str | None = None) -> Measurements:
@@ -126,7 +131,17 @@ def read_measurements(content: bytes, name: str, sheet: str | None = None) -> Me
     if len(found.sheets) < 2 and not any(_has_numbers(column) for column in columns):
         told = f"; these cells hold formulas without a stored value: {', '.join(formulas)}" if formulas else ""
         raise TableError(f"{name} has no column of numbers; a heading with rows of numbers below is expected{told}")
-    return Measurements(name, found.sheets, found.sheet, rows, columns, formulas)
+    return Measurements(name, found.sheets, found.sheet, rows, columns, formulas, _alike(content, found))
+
+
+def _alike(content: bytes, found: Sheet) -> tuple[str, ...]:
+    """Sheets with the headings of this one, such as stages on sheets of their own; none of a large workbook."""
+    header = list(map(key, found.header))
+    if len(found.sheets) < 2 or not any(header) or len(found.sheets) * len(content) > _MOST_BYTES_OF_SHEETS:
+        return ()
+    others = {sheet: read_cells(content, "", sheet).header for sheet in found.sheets if sheet != found.sheet}
+    alike = tuple(s for s in found.sheets if s == found.sheet or list(map(key, others[s])) == header)
+    return alike if len(alike) > 1 else ()
 
 
 def _lying(found: Sheet, rows: Sequence[Picked]) -> tuple[Column, ...]:

@@ -5,8 +5,9 @@ A column may lie in a row: B19:K19, with its name before it and its unit before 
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import dropwhile, groupby, takewhile
 from operator import itemgetter
@@ -18,6 +19,7 @@ from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_lett
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.workbooks import named_cells
 from geoswarm.solver.sentences import Sentence, setting
+from geoswarm.solver.units import convert
 from geoswarm.solver.words import listed
 
 __all__ = [
@@ -28,6 +30,7 @@ __all__ = [
     "is_cells",
     "is_range",
     "lying_rows",
+    "refuse_parts_of_time",
     "rows_where",
     "sheet_of_names",
 ]
@@ -152,6 +155,32 @@ def _cells(sheet: Sheet, place: int) -> str:
     """The cells of a column, such as B5:B30."""
     letters, lines = column_letters(place), [line for line, _ in sheet.rows] or [sheet.header_line + 1]
     return f"{letters}{lines[0]}:{letters}{lines[-1]}"
+
+
+def refuse_parts_of_time(header: Sequence[str], x: Picked, rows: Iterable[Sequence[Cell]], file: str) -> None:
+    """Refuse a column of whole hours whose minutes are in the next one, and the like.
+
+    Raises
+    ------
+    TableError
+        The column behind that of x has the same name or none, a smaller unit of time, and other moments.
+    """
+    if x.place is None or x.place + 1 >= len(header):
+        return
+    name = header[x.place + 1]
+    (label, unit, base), (other_label, smaller, other) = guess_unit(x.name), guess_unit(name)
+    if unit is None or smaller is None or not base == other == "day" or other_label not in (label, name):
+        return
+    parts, pairs = float(convert(1.0, unit, smaller)), []
+    for row in rows:
+        whole, part = (number_in(_cell(row, place)) for place in (x.place, x.place + 1))
+        if whole is None or part is None or not whole.is_integer() or not 0 <= part < parts:
+            return
+        pairs.append((whole, part))
+    if any(part != 0 and not math.isclose(whole * parts, part) for whole, part in pairs):
+        raise TableError(
+            f"{file}: columns '{x.name}' and '{name}' are parts of one time; put the whole time, in one unit, into one"
+        )
 
 
 def lying_rows(sheet: Sheet) -> list[Picked]:
@@ -291,5 +320,5 @@ def _same(entry: Cell, value: str | float) -> bool:
     return key(str(entry)) == key(str(value))
 
 
-def _cell(row: list[Cell], place: int) -> Cell:
+def _cell(row: Sequence[Cell], place: int) -> Cell:
     return row[place] if place < len(row) else ""

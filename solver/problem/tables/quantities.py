@@ -8,7 +8,9 @@ __all__ = ["quantities_of"]
 
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
-        r"probe(n?(nummer|bezeichnung|nr))?\b|prüfkörper|specimen|sample|versuch(s?nummer)?\b|bohrung|borehole",
+        r"probe(n?(nummer|bezeichnung|nr))?\b|prüfkörper|versuch(s?nummer)?\b|bohrung|borehole"
+        r"|(specimen|sample)s?\b(?! ?(air|water|volume|height|length|diameter|area|mass|weight))"
+        r"|^test( ?(id|no\.?|nr\.?|number|name))?$",
         ("specimen",),
     ),
     (r"uhrzeit|time of day|\bclock", ("clock",)),
@@ -30,15 +32,15 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
         ("volumetric_strain",),
     ),
     (
-        r"scherdehnung|schubverzerrung|gleitung|scherverformung|shear[ _-]strain|^(γ|gamma)$|^(ε|eps(ilon)?) ?q$",
+        r"scherdehnung|schubverzerrung|gleitung|scherverformung|shear[ _-]?strain|^(γ|gamma)$|^(ε|eps(ilon)?) ?q$",
         ("shear_strain",),
     ),
-    (r"scherspannung|schubspannung|shear[ _-]stress|^(τ|tau)$", ("shear_stress",)),
+    (r"scherspannung|schubspannung|shear[ _-]?stress|^(τ|tau)$", ("shear_stress",)),
     (r"deviator|^q$", ("q",)),
     (r"mittlere \w*[ ]?(haupt)?spannung|mean (effective )?stress|^p['’′]?$", ("p", "mean_effective_stress")),
     (
         r"(horizontal|seiten|radial|zell)\w*[ ]?(spannung|spg\b|druck)"
-        r"|(horizontal|lateral|radial|cell) (stress|pressure)",
+        r"|(horizontal|lateral|radial|cell|confining) (stress|pressure)|^(σ|sigma) ?['’′]?[23hr]['’′]?$",
         ("lateral_stress", "radial_stress", "horizontal_stress"),
     ),
     (r"ruhedruckbeiwert|^k ?0$", ("K0",)),
@@ -65,6 +67,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
 """Patterns of headings and what they mean, the likeliest first; the first pattern that is found counts."""
 
 _KNOWN = tuple((re.compile(pattern), meant) for pattern, meant in _RULES)
+_WORD_BEGINS = re.compile("(?<=[a-z])(?=[A-Z])")  # in ShearStrain
 _LONGEST = 200
 
 
@@ -76,5 +79,5 @@ def quantities_of(label: str) -> tuple[str, ...]:
     >>> quantities_of("Zeit seit Laststufe")
     ('stage',)
     """
-    plain = " ".join(label.replace("_", " ").split())[:_LONGEST].casefold()
+    plain = " ".join(_WORD_BEGINS.sub(" ", label.replace("_", " ")).split())[:_LONGEST].casefold()
     return next((meant for pattern, meant in _KNOWN if pattern.search(plain)), ())

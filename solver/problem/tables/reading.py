@@ -110,8 +110,10 @@ def table_rows(lines: Sequence[tuple[int, str]], name: str, separator: str) -> l
     TableError
         Quotes are not closed or the like, or a cell is too long.
     """
-    if separator in (BLANKS, WIDE_BLANKS):
+    if separator == BLANKS:
         return [(number, _split(line, separator)) for number, line in lines]
+    if separator == WIDE_BLANKS:
+        return _aligned(lines)
     rows: list[tuple[int, list[str]]] = []
     begins = 0
     while begins < len(lines):
@@ -130,6 +132,21 @@ def table_rows(lines: Sequence[tuple[int, str]], name: str, separator: str) -> l
             if begins + 2 >= len(lines) or any(_numbers(cells) > 1 for _, cells in rows[-_LAST:]):
                 raise TableError(f"{name} line {lines[begins][0]}: {error}") from None
             begins += 1  # a line above the table, whose quotes are not those of cells
+    return rows
+
+
+def _aligned(lines: Sequence[tuple[int, str]]) -> list[tuple[int, list[str]]]:
+    """Cells between wide blanks; the first is empty where a line begins below the second cell of a full one above."""
+    rows: list[tuple[int, list[str]]] = []
+    full, second = 0, 0
+    for number, line in lines:
+        cells = _split(line, WIDE_BLANKS)
+        if len(cells) + 1 == full and 0 < second <= len(line) - len(line.lstrip()):
+            cells.insert(0, "")
+        else:
+            found = _WIDE.search(line.rstrip())
+            full, second = len(cells), found.end() if found is not None else 0
+        rows.append((number, cells))
     return rows
 
 

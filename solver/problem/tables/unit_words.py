@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["ALIASES", "ATOMS", "CASE_MATTERS"]
+__all__ = ["ALIASES", "ATOMS", "CASE_MATTERS", "PARTS", "in_signs"]
 
 _WORDS = {
     "s": "s sec secs second seconds sek sekunde sekunden",
@@ -66,3 +66,25 @@ ATOMS = frozenset(
     )
 )
 """What a unit may be made of: the registry knows many words (rod, point, e) that mean something else in headings."""
+
+PARTS = r"zehntel|hundertstel|tausendstel|tenths?|hundredths?|thousandths?|(?:1\s?/\s?)?10{1,6}\s?-?(?:stel|tel|th[s]?)"
+"""Words for parts of a unit, as a regular expression."""
+
+_PART = re.compile(rf"^({PARTS})(?: of(?: an?)?)?[ -]?(?=\S)", re.IGNORECASE)
+_DIVISORS = {"zehnt": 10, "hunde": 100, "tause": 1000, "tenth": 10, "hundr": 100, "thous": 1000}
+_PREFIX = re.compile(r"^(milli|[cz]enti|mi[ck]ro|kilo|mega)[ -](?=[^\W\d_])", re.IGNORECASE)
+_PREFIXES = {"mil": "m", "zen": "c", "cen": "c", "mik": "u", "mic": "u", "kil": "k", "meg": "M"}
+
+
+def in_signs(text: str) -> str:
+    """A unit with signs for its first word, where that is a part or a prefix.
+
+    >>> in_signs("100stel mm"), in_signs("hundredths of a mm"), in_signs("milli m")
+    ('1/100 mm', '1/100 mm', 'mm')
+    """
+    text = _PART.sub(lambda found: f"1/{_divisor(found[1].casefold())} ", text)
+    return _PREFIX.sub(lambda found: _PREFIXES[found[1][:3].casefold()], text)
+
+
+def _divisor(part: str) -> str:
+    return str(_DIVISORS.get(part[:5]) or re.sub("[^0-9]", "", part.rpartition("/")[2]))

@@ -15,14 +15,15 @@ from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability import Linearisation, Samples, Statistics, StatisticsError, analyse
 from geoswarm.solver.identifiability.errors import NotExaminedError
 from geoswarm.solver.identifiability.optimum.differences import residual_rows
-from geoswarm.solver.identifiability.optimum.refitted import notes_on, with_refits
+from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
+from geoswarm.solver.identifiability.optimum.refitted import natural_moves, notes_on, with_refits
 from geoswarm.solver.identifiability.stored.findings import Findings, findings_of, join_findings
 from geoswarm.solver.identifiability.stored.follow_ups import jackknife_problem
 from geoswarm.solver.methods.jackknife import JackknifeMethod
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.uncertainty_tables import left_out_table
 from geoswarm.solver.report.figures.labels import parameter_labels
-from geoswarm.solver.search import Runs
+from geoswarm.solver.search import Runs, SearchSpace
 from tests.solver.identifiability.cases import X, free, linearised
 
 
@@ -361,3 +362,12 @@ def test_intervals_of_fits_cover_the_mean_of_specimens_of_a_nonlinear_model() ->
         covered.append((found.intervals[:, 0] <= middle) & (middle <= found.intervals[:, 1]))
     share = np.mean(covered, axis=0)
     assert ((share >= 0.91) & (share <= 0.985)).all()
+
+
+def test_an_interval_without_an_end_is_none() -> None:
+    """On a log scale, of a test that the model misses by far: such a job had no statistics."""
+    space = SearchSpace(("E",), np.array([2e3]), np.array([2e5]), np.array([True]), lambda _: True)
+    moves = np.array([[0.0], [0.1], [500.0]])
+    found = WithoutTests.of(("E",), ("a", "b", "c"), moves, 0.95, lambda by: natural_moves(space, np.array([2e4]), by))
+    told = found.to_json()["parameters"]["E"]
+    assert (told["interval"], told["values"]["a"], told["values"]["c"]) == (None, pytest.approx(2e4), None)

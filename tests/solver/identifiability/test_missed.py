@@ -31,9 +31,10 @@ def test_readings_that_no_soil_can_have_come_first() -> None:
     fit = fit_of_samples(Calibration(problem, 1), samples)
     assert fit.kind == "lack_of_fit"
     assert fit.sentence.startswith(
-        "The readings do not fit this specimen. settlement: the largest reading, 3.66 m, is more than the height of "
-        "the specimen, 0.02021 m; in mm it would be 0.18 of it."
+        "settlement: the largest reading, 3.66 m, is more than the height of the specimen, 0.02021 m; in mm it would "
+        "be 0.18 of it."
     )
+    assert fit.headline == "The readings do not fit this specimen"
     slip = {"series": "settlement", "key": "y_unit", "unit": "mm"}
     assert fit.remedies == (Remedy("check_readings", values={"units": [slip]}),)
     assert fit.remedies[0].text.endswith("They would fit the specimen with settlement in mm (y_unit: 'mm').")
@@ -58,4 +59,4 @@ def test_a_search_that_fits_is_not_missed() -> None:
     problem = published()
     fit = fit_of_samples(Calibration(problem, 1), Samples.from_result(problem, calibrate(problem)))
     assert "missed" not in {one.reason for one in fit.misfits}
-    assert "do not fit this specimen" not in fit.sentence
+    assert not fit.headline

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.plausibility import impossible
 from geoswarm.solver.plausibility.readings import doubtful_readings
 from geoswarm.solver.problem import Problem, parse_problem
@@ -109,6 +110,29 @@ def test_stresses_and_strains_of_shear_tests(kind: str, observation: dict[str, A
 
 
 @pytest.mark.parametrize(
+    ("x", "y", "said"),
+    [
+        (
+            X,
+            [0.3, 0.6, 0.8],
+            "kPa, is 0.008 times the largest stress that is applied, 100 kPa; in bar it would be 80 kPa",
+        ),
+        (X, [2942, 5884, 7845], "is 78 times the largest stress that is applied, 100 kPa; in Pa it would be 7.8 kPa"),
+        ([1e-4, 5e-4, 1e-3], [0.3, 0.6, 0.8], ""),  # small strains, of a test that was stopped or in per cent
+        ([1e-4, 5e-4, 1e-3], [30, 60, 80], "axial strain ends at 0.1 %, 0.01 of that of the test, 0.1; in 1 it fits"),
+    ],
+)
+def test_slips_that_a_soil_could_have_are_named(x: list[float], y: list[float], said: str) -> None:
+    """kg/cm² taken for kPa, and the other way round; per cent for fractions."""
+    unit = {"x_unit": "%"} if x is not X else {}
+    points = {"x": [value * 100 for value in x] if x is not X else x, "y": y}
+    problem = sheared("triaxial", series="q", points=points, **unit)
+    found = "".join(doubt.message for doubt in doubtful_readings(problem))
+    assert said in found
+    assert impossible(problem) == []
+
+
+@pytest.mark.parametrize(
     ("strains", "anew"),
     [
         ([0.5, 1, 2, 5, 0.5, 1, 2, 5], "axial strain begins anew at point 5, 0.5 % after 5, as where two tests stand"),
@@ -122,3 +146,27 @@ def test_two_tests_in_one_table(strains: list[float], anew: str) -> None:
     found = [issue.message for issue in impossible(sheared("triaxial", series="q", x_unit="%", points=points))]
     assert anew in "".join(found)
     assert len(found) == bool(anew)
+
+
+@pytest.mark.parametrize(
+    ("given", "x", "said"),
+    [
+        ("day", [60.0, 3600.0, 84000.0], "in s they would fit: x_unit: s"),
+        ("h", [1.0, 60.0, 1400.0], "in min they would fit: x_unit: min"),
+        ("day", [1.0, 2.0, 5e8], ""),
+    ],
+)
+def test_times_outside_a_test_that_fit_in_another_unit(given: str, x: list[float], said: str) -> None:
+    problem = {
+        "forward_model": CONSOLIDATION,
+        "parameters": {"lambda_star": {"lower": 0.02, "upper": 0.4}} | {k: {"value": v} for k, v in FLOW.items()},
+        "observations": [
+            {"series": "settlement", "x_unit": given, "y_unit": "mm", "points": {"x": x, "y": [0.1, 0.3, 0.4]}}
+        ],
+        "stopping": {"max_evaluations": 10},
+    }
+    with pytest.raises(ProblemError) as caught:
+        parse_problem(problem)
+    (message,) = [issue.message for issue in caught.value.issues]
+    assert said in message
+    assert ("they would fit" in message) == bool(said)

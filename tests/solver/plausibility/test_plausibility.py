@@ -164,7 +164,7 @@ def test_readings_next_to_nothing() -> None:
 def test_strain_in_percent_without_its_unit() -> None:
     given = points(1440.0 * TIMES, 100.0 * settlement() / 20.0)
     (found,) = warnings({"series": "axial_strain", "y_unit": "1", **given})
-    assert "a strain of more than 1, so more than the specimen itself; in % it would be 0.26: y_unit: %" in found
+    assert "a strain of more than 1, so more than the specimen itself; in % it would be 0.26: y_unit: '%'" in found
 
 
 def test_settlement_counted_negative() -> None:

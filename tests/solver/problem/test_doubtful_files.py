@@ -122,6 +122,12 @@ def test_the_cover_of_a_workbook_is_passed_over() -> None:
     assert [column.quantities[0] for column in found.columns] == ["time", "settlement"]
 
 
+def test_sheets_with_the_same_headings_are_named() -> None:
+    content = workbook(("Tabelle", PLACES), ("Versuch01", READ), ("Versuch02", READ.replace("Zeit", "ZEIT")))
+    assert read_measurements(content, "a.xlsx").alike == ("Versuch01", "Versuch02")
+    assert read_measurements(content, "a.xlsx", "Tabelle").alike == ()
+
+
 def test_a_sheet_without_numbers_still_offers_the_others() -> None:
     content = workbook(("Cover", COVER), ("Notes", sheet_rows(("none",))))
     found = read_measurements(content, "a.xlsx", "Notes")
@@ -250,6 +256,12 @@ def test_what_is_wrong_is_told_with_its_field(given: str, path: str, message: st
         ("Radialdehnung", "radial_strain"),
         ("radial displacement", "radial_displacement"),
         ("Seitendruck", "lateral_stress"),
+        ("confining_pressure", "lateral_stress"),
+        ("sigma3'", "lateral_stress"),
+        ("sigma_r", "lateral_stress"),
+        ("sigma_v", "axial_stress"),
+        ("shearstrain", "shear_strain"),
+        ("test_id", "specimen"),
         ("Radialspg.", "lateral_stress"),
         ("Axialspg.", "axial_stress"),
         ("Verformung", "settlement"),
@@ -260,6 +272,12 @@ def test_words_of_laboratories_are_understood(heading: str, meant: str) -> None:
     found = quantities_of(heading)
     assert found[0] == meant
     assert quantities_of(heading.upper()) == found
+
+
+def test_words_that_are_written_together_are_understood() -> None:
+    assert quantities_of("ShearStrain")[0] == "shear_strain"
+    assert quantities_of("TimeSinceStartOfTest")[0] == "time"
+    assert quantities_of("Specimen Air Volume") == ()
 
 
 @pytest.mark.parametrize("heading", ["column 1", "x", "y", "temperature", "Wassergehalt", "Kanal 3", "Radialvol.", ""])

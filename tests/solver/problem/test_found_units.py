@@ -179,9 +179,15 @@ def test_stresses_in_any_spelling(heading: str, kilopascal: float, tmp_path: Pat
                 "[0,01mm]",
                 "[10^-2 mm]",
                 "[10⁻² mm]",
+                "[100stel mm]",
+                "100ths of mm",
+                "hundredths of a mm",
+                ".01 mm",
+                "1⁄100 mm",
             )
         ),
         *((heading, "m", 1e-6) for heading in ("s [Mikrometer]", "s µm", "s_um", "s_1/1000_mm", "s [x 10^-3 mm]")),
+        ("s micro m", "m", 1e-6),
         ("Setzung in Millimeter", "m", 1e-3),
         ("Setzung 1/1000 inch", "m", 2.54e-5),
         *(
@@ -220,6 +226,8 @@ def test_units_of_headings(heading: str, base: str, factor: float) -> None:
         "d_h",
         "Delta h",
         "sigma_h",
+        "sigma_min",
+        "s1",
         "eps [10^-9]",
     ],
 )
@@ -256,6 +264,11 @@ def test_words_that_are_no_units(heading: str) -> None:
                 "Wurzel q in kPa",
                 "q/10 [kPa]",
                 "q in kPa^(1/2)",
+                "q 1/100 [kPa]",
+                "q [kPa] .01",
+                "q 1.0E-2 kPa",
+                "q kPa hundertstel",
+                "q (100:1) [kPa]",
             )
         ),
         ("q [100 kPa]", "names '100 kPa', which is not a known unit"),

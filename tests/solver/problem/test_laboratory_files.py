@@ -223,6 +223,15 @@ def test_time_of_day_in_a_column_of_its_own(tmp_path: Path) -> None:
     assert moment_in("31.02.2024") is None
 
 
+def test_parts_of_one_time_in_two_columns_are_refused(tmp_path: Path) -> None:
+    rows = "".join(f"{i // 60},{i % 60},{i}\n" for i in range(20000))
+    for head, end in (("Zeit,,y\nh,min,m\n", 200), ("Zeit [h],Zeit [min],y [m]\n", len(rows))):
+        message = mistakes(tmp_path, "a.csv", head + rows[:end], x_column="A:A", y_column="y", repeated_x="average")
+        assert "min]' are parts of one time; put the whole time, in one unit, into one" in message
+    both = observed(tmp_path, "a.csv", "t [h],t [min],y [m]\n0,0,1\n1,60,2\n", x_column="A:A", y_column="y")
+    assert both.points.x == [0.0, 1.0]
+
+
 GAUGE = "t [day],left [mm],right [mm],remark\n0.5,12,2,\n1,10,3,\n1.5,99,3,knocked\n2.5,8,4,0\n"
 
 
@@ -358,6 +367,11 @@ def test_lines_that_sum_up_are_no_readings(last: str, tmp_path: Path) -> None:
     text = f"Zeit;Setzung\nt [d];s [mm]\n0;0\n1;2\n{last}\n"
     keys = {"incomplete_rows": "leave_out"} if last.startswith("24") else {}
     assert observed(tmp_path, "a.csv", text, x_column="Zeit", **keys, **COLUMN).points.y == [0.0, 2.0]
+
+
+def test_min_in_a_column_of_units_sums_nothing_up(tmp_path: Path) -> None:
+    text = "Zeit;Einheit;Setzung [mm]\n0;min;0\n1;min;2\nMittel;;1\n"
+    assert observed(tmp_path, "a.csv", text, x_column="Zeit", x_unit="min", **COLUMN).points.y == [0.0, 2.0]
 
 
 def test_a_word_in_place_of_a_reading_says_what_to_do(tmp_path: Path) -> None:

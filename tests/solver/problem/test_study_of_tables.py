@@ -6,6 +6,7 @@ import random
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
 from geoswarm.solver.problem.issues import validated
 from geoswarm.solver.problem.observation_section import ObservationSection
@@ -129,8 +130,9 @@ def read(one: Made) -> tuple[np.ndarray, np.ndarray] | str:
     return found[0], found[1]
 
 
-def test_no_table_is_wrong_in_silence() -> None:
-    draw = random.Random(37)
+@pytest.mark.parametrize("seed", [37, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 5, 8, 13, 55, 89))])
+def test_no_table_is_wrong_in_silence(seed: int) -> None:
+    draw = random.Random(seed)
     right, refusals = 0, []
     for number in range(TABLES):
         one = made(draw)

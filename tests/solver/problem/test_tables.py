@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver.problem.tables.cells import file_content
+from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError
 
@@ -129,3 +129,38 @@ def test_missing_and_too_large_files(tmp_path: Path) -> None:
         file.truncate(MAX_TABLE_BYTES + 1)
     with pytest.raises(TableError, match="larger than"):
         read_table(tmp_path / "large.csv")
+
+
+@pytest.mark.parametrize(
+    ("below", "found"),
+    [
+        ("[min];Uhr 1;Uhr 2;kPa", ["Zeit [min]", "Setzung [mm]", "Uhr 2", "Last [kPa]"]),
+        ("[min];Uhr 1 [mm];Uhr 2 [cm];[kPa]", ["Zeit [min]", "Setzung [mm] [mm]", "Uhr 2 [cm]", "Last [kPa]"]),
+        (";Uhr 1;Uhr 2;\nmin;mm;mm;kPa", ["Zeit [min]", "Setzung [mm] [mm]", "Uhr 2 [mm]", "Last [kPa]"]),
+        ("min;furlongs;mm;kPa", ["Zeit [min]", "Setzung [mm] [furlongs]", "[mm]", "Last [kPa]"]),
+    ],
+)
+def test_names_in_a_second_row_are_no_units(below: str, found: list[str]) -> None:
+    text = f"Zeit;Setzung [mm];;Last\n{below}\n0;0;0;5\n1;2;3;5\n"
+    assert read_cells(text.encode(), "a.csv").header == found
+
+
+@pytest.mark.parametrize(
+    ("text", "header"),
+    [
+        ("Nr Zeit h Setzung 1/100 mm\n1 7,5 74\n2 14 330,6\n", ["Nr", "Zeit h", "Setzung 1/100 mm"]),
+        ("Labor;Nord\nHoehe:;20,0\nNr time d settlement m\n1 1 2\n2 6 4\n", ["Nr", "time d", "settlement m"]),
+        ("No   time   A1   L1\n0    0,0    2,5  3,5\n     1,0    2,6  3,6\n", ["No", "time", "A1", "L1"]),
+        ("t  s  q\n1  2  3\n4  5  6\n", ["t", "s", "q"]),
+    ],
+)
+def test_letters_and_empty_cells_between_blanks(text: str, header: list[str]) -> None:
+    found = read_cells(text.encode(), "a.txt")
+    assert found.header == header
+    last = text.splitlines()[-1]
+    assert found.rows[-1][1] == [""] * (last[0] == " ") + last.split()
+
+
+def test_a_cell_that_is_missing_behind_is_not_taken_for_the_first() -> None:
+    with pytest.raises(TableError, match="2 cells under 3 headings"):
+        read_cells(b"x     y   z\n10.5  1   2\n 9.5  3\n", "a.txt")

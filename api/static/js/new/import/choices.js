@@ -47,20 +47,22 @@ export function specimenColumn(file) {
 const chosen = (file, state) => [state.x, state.y, state.more.y_minus, state.more.weight_column].map((i) => file.columns[i]).filter(Boolean);
 
 /** Pairs of columns with the headings of those chosen, as stages side by side have them; empty where there is one only. */
-export function blocksAlike(file, { x, y }) {
+function blocksAlike(file, { x, y }) {
   const like = (chosen) => file.columns.flatMap((one, i) => (one.label === file.columns[chosen].label && one.kind === file.columns[chosen].kind && one.unit === file.columns[chosen].unit ? [i] : []));
   if (!file.columns[x] || !file.columns[y] || x === y) return [];
   const [xs, ys] = [like(x), like(y)];
   return xs.length > 1 && xs.length === ys.length && !xs.some((i) => ys.includes(i)) ? xs.map((i, place) => [i, ys[place]]) : [];
 }
 
-/** These pairs as blocks of an observation: elapsed times count from the load of their stage. */
-const sideBySide = (file, state) => blocksAlike(file, state).map(([x, y], i) => ({
-  x_column: reference(file, x), y_column: reference(file, y), ...(file.columns[x].kind === "number" && state.staged ? { stage: i + 1 } : {}),
-}));
+/** What can be joined: blocks side by side, else sheets with the same headings; elapsed times count from the load of their stage. */
+export function joinable(file, state) {
+  const pairs = blocksAlike(file, state), sheets = file.columns[state.x] && file.columns[state.y] ? file.alike : [];
+  const blocks = pairs.length > 1 ? pairs.map(([x, y]) => ({ x_column: reference(file, x), y_column: reference(file, y) })) : sheets.map((sheet) => ({ sheet }));
+  return blocks.map((block, i) => (file.columns[state.x].kind === "number" && state.staged ? { ...block, stage: i + 1 } : block));
+}
 
-/** Whether several pairs are to be taken together. */
-export const joinsBlocks = (file, state) => state.together && blocksAlike(file, state).length > 1;
+/** Whether several of them are to be taken together. */
+export const joinsBlocks = (file, state) => state.together && joinable(file, state).length > 1;
 
 /** A cell that can be read in two ways, of numbers and of dates, in the columns that are taken; null: none. */
 export function doubts(file, state) {
@@ -97,16 +99,16 @@ export function section(file, state) {
   const column = (given) => (typeof given === "number" ? reference(file, given) : given || undefined);
   const axis = (name) => (state[name] === CELLS ? state[`${name}Cells`] : column(state[name]));
   const named = [state.x, state.y].every((one) => one === CELLS) && ![state.xCells, state.yCells].some((one) => one.includes(":"));
-  const of = state.more;
+  const of = state.more, blocks = joinsBlocks(file, state) ? joinable(file, state) : undefined;
   const inputs = Object.fromEntries((of.inputs ?? []).filter(([name, from]) => name && from !== null).map(([name, from]) => [name, column(from)]));
   const where = specimenColumn(file) !== null && state.specimen ? { [reference(file, specimenColumn(file))]: state.specimen }
     : typeof of.whereColumn === "number" && of.whereEntry ? { [reference(file, of.whereColumn)]: of.whereEntry } : undefined;
   return {
-    series: state.series, sheet: file.sheet && !named ? file.sheet : undefined,
+    series: state.series, sheet: file.sheet && !named && !blocks?.[0].sheet ? file.sheet : undefined,
     x_column: axis("x"), y_column: axis("y"), y_minus: column(of.y_minus), weight_column: column(of.weight_column),
     gross_error_column: column(of.gross_error_column), inputs: Object.keys(inputs).length ? inputs : undefined, where,
     x_dates: state.dates ?? undefined, x_time_column: column(of.x_time_column), x_origin: of.x_origin || undefined,
     decimal_sign: state.decimal ?? undefined, incomplete_rows: state.incomplete ? "leave_out" : undefined,
-    blocks: state.blocks ?? (joinsBlocks(file, state) ? sideBySide(file, state) : undefined), notes: of.notes ? [of.notes] : undefined,
+    blocks: state.blocks ?? blocks, notes: of.notes ? [of.notes] : undefined,
   };
 }

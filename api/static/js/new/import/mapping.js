@@ -6,7 +6,7 @@ import { pointsPlot } from "../points_plot.js";
 import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
 import { messageOf } from "../words.js";
-import { CELLS, beginning, blocksAlike, conflicts, doubts, joinsBlocks, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
+import { CELLS, beginning, conflicts, doubts, joinable, joinsBlocks, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
 import { LEAVE_OUT, choice, firstRows, flag, labelHere, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
 import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
@@ -111,7 +111,7 @@ export function mapping(file, content, context, act) {
         (value) => { state.series = value; suit(state, file, info()); change(true); }, { help: about?.description, asked: true, wide: true }),
       element("div", { class: "fields wide-field" }, pick("y", (column) => column.kind === "number")),
       element("div", { class: "fields wide-field" }, pick("x", readable)));
-    const { numbers, dates, clock } = doubts(file, state), specimens = specimenColumn(file), blocks = about && !byLoad(about, "x") ? blocksAlike(file, state).length : 0;
+    const { numbers, dates, clock } = doubts(file, state), specimens = specimenColumn(file), blocks = about && !byLoad(about, "x") ? joinable(file, state) : [];
     exchange(asked,
       numbers ? choice("map-sign", "How are numbers written?", SIGNS, state.decimal, (value) => { state.decimal = value; change(true); }, { help: `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`, asked: true }) : null,
       dates ? choice("map-dates", "How are dates written?", DATES, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${dates.doubt}” can be read in two ways.`, asked: true }) : null,
@@ -119,7 +119,7 @@ export function mapping(file, content, context, act) {
       specimens !== null
         ? choice("map-specimen", `Which ${file.columns[specimens].name}?`, [...Object.entries(file.columns[specimens].entries).map(([entry, rows]) => [entry, `${entry} (${count(rows)} rows)`]), ["", "all rows"]], state.specimen, (value) => { state.specimen = value; change(true); }, { asked: true })
         : null,
-      blocks > 1 ? flag("map-together", `Join the ${count(blocks)} blocks with these headings, one after the other`, state.together, (on) => { state.together = on; state.staged = context.staged(); change(false); }) : null);
+      blocks.length > 1 ? flag("map-together", blocks[0].sheet ? `Join the ${count(blocks.length)} sheets with these headings, one after the other: ${file.alike.join(", ")}` : `Join the ${count(blocks.length)} blocks with these headings, one after the other`, state.together, (on) => { state.together = on; state.staged = context.staged(); change(false); }) : null);
     exchange(more, moreFields(file, state, change, context.openParameters()));
     exchange(table, file.columns.length ? firstRows(file, { [state.x]: "x", [state.y]: "y" }) : null);
     load();

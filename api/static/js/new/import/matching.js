@@ -84,16 +84,23 @@ export function columnOfY(file, info) {
   return named[0]?.i ?? (alike.length === 1 ? alike[0].i : null) ?? usable.find(({ column }) => key(column.label) === "y")?.i ?? null;
 }
 
+/** The only series and column whose units, and those of a column of x, belong together, where no word says so. */
+function byUnits(file, pairs) {
+  const fits = (column, unit) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(unit);
+  const found = pairs.filter(({ info, column, y }) => fits(column, info.y_unit) && file.columns.some((one, i) => i !== y && fits(one, info.x_unit)));
+  return found.length === 1 ? found[0] : undefined;
+}
+
 /** Series and column of y that a file seems to be about: {series, y}; both null where its headings do not say. */
 export function likelySeries(file, known) {
   const pairs = known.flatMap((info, place) => file.columns.map((column, y) => ({ info, place, column, y, meant: column.kind === "number" ? meaning(column, info) : -1 })));
   const rank = ({ info, place, column, y, meant }) => {
     const x = file.columns.some((one) => readable(one) && paired(one, column) && (meansX(one, info) || (byLoad(info, "x") && meansLoad(one))));
     const fits = column.base === null || column.base === plainBase(info.y_unit);
-    return [meant, x ? 0 : 1, fits ? 0 : 1, info.name.includes(".") ? 1 : 0, PREFIX.test(info.name) ? 1 : 0, y, place];
+    return [meant, x ? 0 : 1, fits ? 0 : 1, info.name.includes(".") ? 1 : 0, PREFIX.test(info.name.split(".").at(-1)) ? 1 : 0, y, place];
   };
   const ranked = pairs.filter(({ meant }) => meant >= 0).map((pair) => ({ pair, order: rank(pair) }));
   ranked.sort((one, other) => one.order.map((value, i) => value - other.order[i]).find((step) => step !== 0) ?? 0);
-  const best = ranked[0]?.pair;
+  const best = ranked[0]?.pair ?? byUnits(file, pairs);
   return { series: best?.info.name ?? null, y: best?.y ?? null };
 }
