@@ -409,9 +409,9 @@ class _Reader:
         raise TableError(*shown, *([f"{self._name}: {more} more bad cells"] if more else []))
 
 
-_FIRST_OF_DATES = setting("x_dates", "day_first or month_first")
+_FIRST_OF_DATES = setting("x_dates", "day_first, month_first or year_first")
 _SINCE_START = {1: "hh:mm or mm:ss", 2: "hh:mm:ss"}
-_AS_WRITTEN = {"day_first": "31/12/2024 08:30", "month_first": "12/31/2024 08:30"}
+_AS_WRITTEN = {"day_first": "31/12/2024 08:30", "month_first": "12/31/2024 08:30", "year_first": "24/12/31 08:30"}
 
 
 def _is_mark(cell: Cell) -> bool:

@@ -23,7 +23,7 @@ __all__ = [
     "time_of_day",
 ]
 
-DateForm: TypeAlias = Literal["day_first", "month_first", "serial", "hh:mm:ss", "hh:mm", "mm:ss"]
+DateForm: TypeAlias = Literal["day_first", "month_first", "year_first", "serial", "hh:mm:ss", "hh:mm", "mm:ss"]
 """How dates are written that can be read in several ways: 03/04/2024, a number of days as spreadsheets count, or 0:15
 since the start.
 """
@@ -68,8 +68,8 @@ def moment_in(cell: Cell, form: DateForm | None = None) -> datetime | None:
     """Return date and time of a cell; None for what is none.
 
     Without a ``form``: ISO 8601, with an offset in UTC, or as written in much of Europe (31.12.2024 13:45, 31.12.24).
-    ``day_first`` and ``month_first`` read 31/12/2024 and 12/31/2024, with / - or points, besides ISO 8601; ``serial``
-    reads days since 1899-12-30, as spreadsheets store dates.
+    ``day_first``, ``month_first`` and ``year_first`` read 31/12/2024, 12/31/2024 and 24/12/31, with / - or points,
+    besides ISO 8601; ``serial`` reads days since 1899-12-30, as spreadsheets store dates.
     """
     if form == "serial":
         number = cell if isinstance(cell, float) else cell_number(cell)
@@ -90,6 +90,8 @@ def moment_in(cell: Cell, form: DateForm | None = None) -> datetime | None:
         return _spelled_out(cell)
     if form is None and found[2] != ".":
         return None  # who writes 03/04/2024 may mean either
+    if form == "year_first":
+        return _moment(found[1], int(found[3]), found[4], found.groups()[4:]) if len(found[4]) == 2 else None
     month_first = form == "month_first" and found[2] != "."
     month, day = (found[1], found[3]) if month_first else (found[3], found[1])
     return _moment(found[4], int(month), day, found.groups()[4:])
@@ -129,10 +131,14 @@ def is_moment(cell: Cell) -> bool:
 
 
 def form_of(cells: Iterable[Cell]) -> DateForm | None:
-    """Return which of day and month is first in dates such as 31/12/2024, where a day above 12 shows it."""
+    """Return which of day and month is first in dates such as 31/12/2024, where a day above 12 shows it.
+
+    It does not where the last number takes more values than the first: 24-11-10, 24-11-11 may begin with the year.
+    """
     found = [one for cell in cells if isinstance(cell, str) and (one := _NUMBERS.fullmatch(cell)) and one[2] != "."]
     day_first, month_first = any(int(one[1]) > 12 for one in found), any(int(one[3]) > 12 for one in found)
-    if day_first == month_first:
+    years_last = len({one[1] for one in found}) >= len({one[4] for one in found})
+    if day_first == month_first or (day_first and not years_last):
         return None
     return "day_first" if day_first else "month_first"
 

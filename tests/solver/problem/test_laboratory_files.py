@@ -183,7 +183,8 @@ def test_dates_that_can_be_read_in_two_ways_are_asked_for(tmp_path: Path) -> Non
     keys = {"x_column": "date", "y_column": "y"}
     text = "date;y [m]\n03/04/2024;1\n05/04/2024;2\n"
     asked = (
-        "column date: '03/04/2024' is a date whose day or month may be first; give x_dates: day_first or month_first"
+        "column date: '03/04/2024' is a date whose day or month may be first; give x_dates: day_first, month_first "
+        "or year_first"
     )
     assert asked in mistakes(tmp_path, "a.csv", text, **keys)
     assert observed(tmp_path, "a.csv", text, x_dates="day_first", **keys).points.x == [0, 2]
@@ -191,6 +192,16 @@ def test_dates_that_can_be_read_in_two_ways_are_asked_for(tmp_path: Path) -> Non
     assert "x = 61 day (point 2) is outside" in mistakes(tmp_path, "a.csv", text, x_dates="month_first", **keys)
     wrong = mistakes(tmp_path, "a.csv", "date;y\n3/4/2024;1\n13/13/2024;2\n", x_dates="day_first", **keys)
     assert "line 3, column date: '13/13/2024' is not a date, such as 31/12/2024 08:30 or 2024-03-01 08:30" in wrong
+
+
+def test_dates_that_may_begin_with_the_year_are_asked_for(tmp_path: Path) -> None:
+    """24-11-10 and 24-11-11 were the 24th of November of 2010 and of 2011, in silence."""
+    keys = {"x_column": "date", "y_column": "y"}
+    text = "date;y [m]\n24-11-10;1\n24-11-11;2\n24-11-12;3\n"
+    assert "give x_dates: day_first, month_first or year_first" in mistakes(tmp_path, "a.csv", text, **keys)
+    assert observed(tmp_path, "a.csv", text, x_dates="year_first", **keys).points.x == [0.0, 1.0, 2.0]
+    days = "date;y [m]\n24-11-10;1\n25-11-10;2\n"
+    assert observed(tmp_path, "a.csv", days, **keys).points.x == [0.0, 1.0]
 
 
 @pytest.mark.parametrize("clock", ["", " 10:00", " 10:00:30", " 10:00:30 AM"])

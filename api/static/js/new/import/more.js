@@ -5,7 +5,7 @@ import { choice, flag, words } from "./inputs.js";
 import { CELLS, doubts, specimenColumn } from "./choices.js";
 
 export const SIGNS = [["point", "1.5 and 1,000: a point before decimals"], ["comma", "1,5 and 1.000: a comma before decimals"]];
-export const DATES = [["day_first", "31/12/2024: the day first"], ["month_first", "12/31/2024: the month first"]];
+export const DATES = [["day_first", "31/12/2024: the day first"], ["month_first", "12/31/2024: the month first"], ["year_first", "24/12/31: the year first"]];
 export const CLOCKS = [["hh:mm:ss", "00:01:30: hours, minutes, seconds since the start"], ["hh:mm", "00:15: hours and minutes since the start"], ["mm:ss", "00:15: minutes and seconds since the start"]];
 
 /** The fields below "More about these columns"; `change(redraw)` after each. `open` parameters: a formula may use inputs. */
