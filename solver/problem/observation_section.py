@@ -126,8 +126,8 @@ class ObservationSection(Section):
     x_dates: DateForm | None = Field(
         None,
         description="how dates of x are written where it is not plain: day_first (31/12/2024), month_first "
-        "(12/31/2024), year_first (24/12/31), serial (numbers of days, as spreadsheets count), or how the time since the "
-        "start is: hh:mm:ss, hh:mm, mm:ss",
+        "(12/31/2024), year_first (24/12/31), serial (numbers of days, as spreadsheets count), or how the time since "
+        "the start is: hh:mm:ss, hh:mm, mm:ss",
     )
     x_time_column: str | None = Field(
         None, min_length=1, description="column with the time of day, where x holds dates only"
