@@ -23,7 +23,7 @@ INDEX = "README.md"
 FIGURES = "figures"
 TEMPLATES = Path(__file__).parent / "templates"
 HOW_TO_READ = (
-    "Every case puts what geoswarm calculates beside a reference that is independent of it: a closed form, an "
+    "Every case compares what geoswarm calculates with a reference that is independent of it: a closed form, an "
     "independent integration of the equations as they were published, or published numbers. The difference is relative "
     "unless it says of what. The table of a case shows where it is largest, the contents the check that is nearest to "
     "what is allowed. In figures, lines are geoswarm and circles the reference."

@@ -68,7 +68,8 @@ def test_every_method_with_a_job_refuses_strangers(service: JobService) -> None:
         if name.startswith("_") or not callable(method) or "job_id" not in getattr(method, "__annotations__", {}):
             continue
         place = {} if name not in ("attempts", "evaluation") else {"generation": 0, "particle": 0}
-        further = {"stopping": Stopping(max_evaluations=10)} if name == "change_stopping" else {}
+        needed = {"change_stopping": {"stopping": Stopping(max_evaluations=10)}, "compared": {"document": {}}}
+        further: dict[str, Any] = needed.get(name, {})
         tried += 1
         with pytest.raises(JobNotFoundError):
             method(job.id, **place, **further)
