@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import anyio
 from fastapi import Depends, Path, Query, Request
 
-from geoswarm.api.errors import DetailError, ProblemDetail
+from geoswarm.api.errors import ProblemDetail, role_refused
 from geoswarm.api.events.feed import EventFeed
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import JobNotFoundError
@@ -39,12 +39,7 @@ def limiter(request: Request, name: str) -> anyio.CapacityLimiter:
 def require_runs(service: JobService) -> None:
     """Refuse a forward run to a key that may only read."""
     if not service.principal.may("submit"):
-        raise DetailError(
-            403,
-            f"This API key has the role {service.principal.role!r}; a forward run needs 'submit' or 'admin'.",
-            kind="role-refused",
-            title="Role refused",
-        )
+        raise role_refused(service.principal.role, "a forward run needs 'submit' or 'admin'")
 
 
 async def _feed(request: Request) -> EventFeed:

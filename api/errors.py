@@ -149,6 +149,12 @@ class DetailError(ApiError):
         self.headers = dict(headers or {})
 
 
+def role_refused(role: str, needs: str) -> DetailError:
+    """The error for a key of a role that is not enough; ``needs``: what needs which role."""
+    words = f"This API key has the role {role!r}; {needs}."
+    return DetailError(403, words, kind="role-refused", title="Role refused")
+
+
 def _issue(issue: Issue) -> dict[str, Any]:
     return {"path": issue.path, "message": issue.message, "parts": parts_json(issue.parts) or None}
 

@@ -41,6 +41,9 @@ VARIABLES: dict[str, str] = {
 }
 
 
+API_PREFIX = "/api/v1"
+
+
 def _in_small_letters(value: Any) -> Any:
     return listed(value.lower()) if isinstance(value, str) else value
 
@@ -179,6 +182,3 @@ class ApiSettings(BaseModel):
             raise ApiSettingsError(str(error)) from None
         except ValidationError as error:
             raise ApiSettingsError(settings_mistakes(error, VARIABLES, overrides)) from None
-
-
-API_PREFIX = "/api/v1"

@@ -11,7 +11,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from geoswarm.api.access.authentication import Authenticator, Identity, given_key
 from geoswarm.api.access.limits import Shares
-from geoswarm.api.errors import DetailError, detail_response, translate
+from geoswarm.api.errors import DetailError, detail_response, role_refused, translate
 from geoswarm.api.headers import add_security_headers
 from geoswarm.api.settings import LOOPBACK_HOSTS, ApiSettings
 from geoswarm.workers.errors import StoreUnavailableError
@@ -110,12 +110,7 @@ class Gate:
         client = scope.get("client")
         identity = await self._authenticator.identify(headers, client[0] if client else "", challenge)
         if (wants := _role_wanted(identity, method, path)) is not None:
-            raise DetailError(
-                403,
-                f"This API key has the role {identity.principal.role!r}; {method} {path[:80]} needs {wants}.",
-                kind="role-refused",
-                title="Role refused",
-            )
+            raise role_refused(identity.principal.role, f"{method} {path[:80]} needs {wants}")
         if method in SAFE_METHODS:
             return identity
         if identity.session is not None and not headers.get(OWN_HEADER):

@@ -34,6 +34,17 @@ OWN_HEADERS = frozenset({b"connection", ROUTE_HEADER.encode()})  # between the t
 GRACE_SECONDS = 1.0  # for a request whose client has left
 
 
+_ALWAYS = re.compile(
+    r"/api/v1/(?:"
+    r"problems/(?:check|warm-starts|read|tests)|measurements(?:/(?:points|ags(?:/problem)?))?|forward-models(?:/[^/]+)?"
+    r"|jobs/[^/]+/(?:fit|diagrams|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
+    r"|jackknife|explore|predict|design|follow-ups|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
+    r")"
+)
+_CHANGES = {"POST": re.compile(r"/api/v1/jobs"), "PATCH": re.compile(r"/api/v1/jobs/[^/]+")}
+_JOB = re.compile(r"/api/v1/jobs/([^/]+)")
+
+
 class ComputeMiddleware:
     """ASGI middleware behind the gate."""
 
@@ -184,17 +195,6 @@ def _too_heavy(why: str) -> DetailError:
         kind="too-heavy",
         title="Too heavy",
     )
-
-
-_ALWAYS = re.compile(
-    r"/api/v1/(?:"
-    r"problems/(?:check|warm-starts|read|tests)|measurements(?:/(?:points|ags(?:/problem)?))?|forward-models(?:/[^/]+)?"
-    r"|jobs/[^/]+/(?:fit|diagrams|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
-    r"|jackknife|explore|predict|design|follow-ups|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
-    r")"
-)
-_CHANGES = {"POST": re.compile(r"/api/v1/jobs"), "PATCH": re.compile(r"/api/v1/jobs/[^/]+")}
-_JOB = re.compile(r"/api/v1/jobs/([^/]+)")
 
 
 def is_compute(scope: Mapping[str, Any]) -> bool:

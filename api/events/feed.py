@@ -45,6 +45,11 @@ QUIET_SECONDS = 1.0  # between two looks while the database tells of events by i
 T = TypeVar("T")
 
 
+MOST_GENERATIONS = 25
+"""Generations of one batch that are told to those who follow a job as it goes on."""
+_KEPT = 8
+
+
 class BatchTexts:
     """Texts of the latest batches of one job."""
 
@@ -265,12 +270,6 @@ class EventFeed:
 def _set_from_thread(loop: asyncio.AbstractEventLoop, event: asyncio.Event) -> None:
     with contextlib.suppress(RuntimeError):  # the loop has ended before the thread
         loop.call_soon_threadsafe(event.set)
-
-
-MOST_GENERATIONS = 25
-"""Generations of one batch that are told to those who follow a job as it goes on."""
-
-_KEPT = 8
 
 
 def encode_event(event: Event) -> str:

@@ -19,6 +19,10 @@ __all__ = ["job_frame", "router"]
 router = APIRouter()
 
 
+WITH_BODY = frozenset({"section", "finite_element"})
+MOST_POINTS = 1000
+
+
 @router.get("/jobs/{job_id}", name="job_page")
 def job_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
     """Show a job: its answer, its fit, what to do next."""
@@ -35,9 +39,6 @@ def fit_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
 def data_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
     """Show the problem and the readings of a job, and everything as files."""
     return render(request, "data", **job_frame(service, job_id))
-
-
-WITH_BODY = frozenset({"section", "finite_element"})
 
 
 def job_frame(service: JobService, job_id: str) -> dict[str, Any]:
@@ -74,9 +75,6 @@ def _has_body(section: dict[str, Any]) -> bool:
 def mesh_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
     """Show mesh and displacements of a job."""
     return render(request, "mesh", **job_frame(service, job_id))
-
-
-MOST_POINTS = 1000
 
 
 @router.get("/jobs/{job_id}/search", name="search_page")

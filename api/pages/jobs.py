@@ -45,6 +45,10 @@ BADGES = {
 """Kind of the verdict on the fit -> what the list shows."""
 
 
+MOST_JOBS = 6
+MARGIN = 2.0
+
+
 @dataclass(frozen=True, slots=True)
 class FoundValue:
     """A free parameter in the list: its value, the ends of its interval (empty: none), and what is wrong with it."""
@@ -121,9 +125,6 @@ def jobs_page(
     )
 
 
-MOST_JOBS = 6
-
-
 @router.get("/compare")
 def compare_page(
     request: Request,
@@ -136,7 +137,6 @@ def compare_page(
 
 
 SPARK_WIDTH, SPARK_HEIGHT = 96, 24
-MARGIN = 2.0
 
 
 def sparkline(trend: Sequence[float | None] | None) -> str | None:

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path
 
 from geoswarm.api.dependencies import Feed, Service, problems_of
-from geoswarm.api.errors import DetailError
+from geoswarm.api.errors import DetailError, role_refused
 from geoswarm.api.schemas.administration import KeyList, NewKeyRequest, Operations
 from geoswarm.records.account import Key, NewKey
 from geoswarm.solver.errors import Issue
@@ -21,12 +21,7 @@ __all__ = ["router"]
 async def _administrated(service: Service) -> JobService:
     """The service, for administrators only."""
     if not service.principal.may("admin"):
-        raise DetailError(
-            403,
-            f"This API key has the role {service.principal.role!r}; this needs 'admin'.",
-            kind="role-refused",
-            title="Role refused",
-        )
+        raise role_refused(service.principal.role, "this needs 'admin'")
     return service
 
 

@@ -11,7 +11,7 @@ from starlette.datastructures import Headers
 
 from geoswarm.api.access.authentication import SESSION_COOKIE, Authenticator, Identity, given_token
 from geoswarm.api.dependencies import problems_of
-from geoswarm.api.errors import DetailError
+from geoswarm.api.errors import role_refused
 from geoswarm.api.schemas.jobs import Session, SignIn
 from geoswarm.workers.access.principal import LOCAL
 from geoswarm.workers.access.sessions import SESSION_SECONDS
@@ -35,12 +35,7 @@ async def sign_in(given: Annotated[SignIn, Body()], request: Request, response: 
     key = given.key.get_secret_value().encode()
     principal = await authenticator.sign_in(key, request.client.host if request.client else "", CHALLENGE)
     if principal.role == "agent":
-        raise DetailError(
-            403,
-            "A key of role 'agent' opens no pages; 'read', 'submit' or 'admin' are needed to sign in.",
-            kind="role-refused",
-            title="Role refused",
-        )
+        raise role_refused("agent", "it opens no pages: signing in needs 'read', 'submit' or 'admin'")
     token = await anyio.to_thread.run_sync(authenticator.sessions.open, key, principal)
     response.set_cookie(
         SESSION_COOKIE,

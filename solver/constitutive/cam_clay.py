@@ -42,6 +42,9 @@ _CLOSE: Final = 1.0e-9
 """After a correction of eta as small as this, the next one is rounding."""
 
 
+_SERIES_LIMIT = 1.0e-3
+
+
 @kernel
 def cam_clay_step(
     stress: FloatArray,
@@ -208,9 +211,6 @@ def _twice_shear(
     ratio, bend = log_ratio((p - p_old) / p_old)
     factor = 2.0 * shear_ratio * mean / soft
     return factor * p_old / ratio, -factor * bend / (ratio * ratio)
-
-
-_SERIES_LIMIT = 1.0e-3
 
 
 @kernel_in_place

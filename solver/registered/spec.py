@@ -31,6 +31,12 @@ if TYPE_CHECKING:
 __all__ = ["RegisteredSpec", "without_paths"]
 
 
+_BEGINS = r"(?:(?<![\w./~-])|(?<=\s-[A-Za-z]))"  # no part of a relative path, of an address or of a unit
+_SIGNS = r"\s'\"`<>|:;,()\[\]{}="
+_ENDS = rf"(?=[/{_SIGNS}]|\.?(?:\s|$))"
+_ABSOLUTE = re.compile(rf"{_BEGINS}/(?P<first>[^/{_SIGNS}]+)(?:/[^/{_SIGNS}]*)*")
+
+
 class RegisteredSpec(ForwardModelSpec):
     """A model that the operator of the service has registered."""
 
@@ -146,12 +152,6 @@ class RegisteredSpec(ForwardModelSpec):
         if self.declared is None:
             raise ProblemError([Issue("forward_model.model", f"model {self.model} is not known here")])
         return RegisteredModel(self, self.declared)
-
-
-_BEGINS = r"(?:(?<![\w./~-])|(?<=\s-[A-Za-z]))"  # no part of a relative path, of an address or of a unit
-_SIGNS = r"\s'\"`<>|:;,()\[\]{}="
-_ENDS = rf"(?=[/{_SIGNS}]|\.?(?:\s|$))"
-_ABSOLUTE = re.compile(rf"{_BEGINS}/(?P<first>[^/{_SIGNS}]+)(?:/[^/{_SIGNS}]*)*")
 
 
 def without_paths(text: str, model: str, folders: Iterable[Path] = ()) -> str:

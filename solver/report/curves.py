@@ -20,6 +20,10 @@ from geoswarm.solver.units import convert
 __all__ = ["MOST_SHOWN", "SeriesCurve", "initial_values", "load_times", "objective_unit", "series_curves", "shown"]
 
 
+MOST_SHOWN = 4000
+"""Points of a curve that a figure draws: more than it has pixels."""
+
+
 @dataclass(frozen=True, slots=True)
 class SeriesCurve:
     """One observed series with its calculated curve.
@@ -220,10 +224,6 @@ def _curve(
         gross_y=to_y(observation.gross_y),
         loss_weights=None if weights is None else weights[order],
     )
-
-
-MOST_SHOWN = 4000
-"""Points of a curve that a figure draws: more than it has pixels."""
 
 
 def shown(*curves: FloatArray) -> IntArray:

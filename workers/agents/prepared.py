@@ -30,6 +30,9 @@ __all__ = ["Prepared", "PreparedJobs", "frame_of", "is_need", "needs_of", "regis
 KEPT = 256
 
 
+MOST_LETTERS = 100_000
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Prepared:
     """A job made ready.
@@ -105,9 +108,6 @@ def frame_of(problem: Problem, settings: Settings) -> tuple[str, dict[str, Any]]
     }
     text = json.dumps(shared, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:32], shared
-
-
-MOST_LETTERS = 100_000
 
 
 def needs_of(spec: ForwardModelSpec) -> str:

@@ -49,6 +49,12 @@ LONGEST_WAIT_SECONDS = 30.0
 EVERYWHERE = "everywhere"
 
 
+SWEEP = "sweep"
+FORGET_SECONDS = 3600.0  # machines that have gone
+JOURNAL = "journal"
+NOTE = and_(counters.c.name == JOURNAL, counters.c.label == "")
+
+
 class Sweeper:
     """Looks after one store, by :meth:`sweep` once or by a thread of its own."""
 
@@ -209,10 +215,6 @@ def with_signals(stop: Callable[[], None]) -> None:
         signal.signal(number, handle)
 
 
-SWEEP = "sweep"
-FORGET_SECONDS = 3600.0  # machines that have gone
-
-
 def due_sweeps(connection: Connection, labels: Collection[str], seconds: float) -> list[str]:
     """Return those of the labels whose sweep nobody began in these seconds."""
     marks = counters.c.name == SWEEP, counters.c.label.in_(labels), not_(_old(seconds))
@@ -239,10 +241,6 @@ def _old(seconds: float) -> ColumnElement[bool]:
     """Whether a mark is older than this, or of a clock that was set back since."""
     now = database_now()
     return or_(counters.c.value < now - seconds, counters.c.value > now + seconds)
-
-
-JOURNAL = "journal"
-NOTE = and_(counters.c.name == JOURNAL, counters.c.label == "")
 
 
 def note_deletion(connection: Connection) -> None:

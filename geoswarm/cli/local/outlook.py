@@ -301,10 +301,17 @@ def _write_job(client: Client, job: str, place: Path, document: Mapping[str, Any
 def _show_prediction(found: Mapping[str, Any]) -> None:
     if found["alarm"]:
         click.secho(f"Warning: {found['alarm']}", bold=True)
-    many = len(found["series"]) > _MOST_SERIES and any(one["closeness"] is not None for one in found["series"])
-    if many:
+    if len(found["series"]) > _MOST_SERIES and any(one["closeness"] is not None for one in found["series"]):
         _show_closeness(found)
-    for one in () if many else found["series"]:
+    else:
+        _show_bands(found)
+    for remark in found["remarks"]:
+        note(f"Note: {remark}")
+
+
+def _show_bands(found: Mapping[str, Any]) -> None:
+    """The bands of series at some of their points."""
+    for one in found["series"]:
         reading = one["reading_lower"] is not None
         count = len(one["x"])
         rows = []
@@ -321,8 +328,6 @@ def _show_prediction(found: Mapping[str, Any]) -> None:
         if one["inside"] is not None:
             band = "band of readings" if reading else "band"
             click.echo(f"  {one['inside']} of {count} measured points lie in the {band}.")
-    for remark in found["remarks"]:
-        note(f"Note: {remark}")
 
 
 def _show_closeness(found: Mapping[str, Any]) -> None:

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 __all__ = ["figures_missing", "report_command"]
 
 
+_PACKAGES = ("matplotlib", "jinja2", "reportlab")
+
+
 @click.command("report")
 @click.argument("source", metavar="ID|DIR")
 @click.option("--html", "html", is_flag=True, help="Write report.html.")
@@ -108,9 +111,6 @@ def _of_job(
     for file_name, content in contents.items():
         (target / file_name).write_bytes(content)
     return [target / file_name for file_name in contents]
-
-
-_PACKAGES = ("matplotlib", "jinja2", "reportlab")
 
 
 def figures_missing(what: str) -> str | None:

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 __all__ = ["proposals_by_key", "statistics_command"]
 
 
+_KINDS = ("fix", "link", "widen")
+
+
 @click.command("statistics")
 @click.argument("source", metavar="ID|DIR")
 @click.option("--threshold", type=float, help="Objective up to which a fit is good; proposed if not given.")
@@ -167,9 +170,6 @@ def _write_problem(problem: Problem, output: Path | None) -> None:
     output.write_text(text, encoding="utf-8")
     free = ", ".join(problem.free_names)
     note(f"Written to {output}: free are {free}. Next: geoswarm run {output}, or geoswarm submit {output}")
-
-
-_KINDS = ("fix", "link", "widen")
 
 
 def proposals_by_key(found: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -44,6 +44,9 @@ __all__ = [
 FAILED_RUN, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
+_FILES = 10
+
+
 @dataclass(slots=True)
 class CommandContext:
     """What one call of the command line carries from command to error handler."""
@@ -169,9 +172,6 @@ def warn_of_many_points(problem: Problem) -> None:
         message = many_points_warning(observation.series, len(observation.x))
         if message is not None:
             note(f"Warning: {message}")
-
-
-_FILES = 10
 
 
 def facts_of_run(run: TrialRun) -> dict[str, str]:

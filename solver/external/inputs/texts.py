@@ -11,6 +11,10 @@ from geoswarm.solver.external.errors import InputError, TemplateError
 __all__ = ["checked", "number_text", "read_template_file", "write_input_file"]
 
 
+MAX_TEMPLATE_BYTES = 64 * 2**20
+"""Largest template; bigger files that do not change are linked."""
+
+
 def checked(value: float, what: str) -> float:
     """Return a value as a float.
 
@@ -40,10 +44,6 @@ def number_text(value: float) -> str:
     text = repr(float(value))
     mantissa, exponent, power = text.partition("e")
     return f"{mantissa}.0e{power}" if exponent and "." not in mantissa else text
-
-
-MAX_TEMPLATE_BYTES = 64 * 2**20
-"""Largest template; bigger files that do not change are linked."""
 
 
 def read_template_file(path: Path) -> str:

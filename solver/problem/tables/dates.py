@@ -61,6 +61,8 @@ _SECONDS = {"d": 86400, "h": 3600, "m": 60, "s": 1}
 _SINCE = re.compile(r"elapsed|dauer|duration|since|seit|versuchszeit|laufzeit|test time", re.IGNORECASE)
 _ZERO = datetime(1899, 12, 30)
 _LARGEST_SERIAL = 2_958_465.0  # the last day of the year 9999
+_ORDERS: tuple[DateForm, ...] = ("day_first", "month_first", "year_first")
+_LONGEST_MONTH = 31
 _CENTURY = 70  # 69 is 2069, 70 is 1970
 
 
@@ -126,16 +128,18 @@ def _moment(year: str, month: int, day: str, time: Sequence[str | None]) -> date
 
 
 def is_moment(cell: Cell) -> bool:
-    """Whether a cell is a date, with day or month first."""
-    return moment_in(cell, "day_first") is not None or moment_in(cell, "month_first") is not None
+    """Whether a cell is a date, with day, month or year first."""
+    return any(moment_in(cell, form) is not None for form in _ORDERS)
 
 
 def form_of(cells: Iterable[Cell]) -> DateForm | None:
-    """Return which of day and month is first in dates such as 31/12/2024, where a day above 12 shows it.
+    """Return which of day, month and year is first in dates such as 31/12/2024, where a day above 12 shows it.
 
     It does not where the last number takes more values than the first: 24-11-10, 24-11-11 may begin with the year.
     """
     found = [one for cell in cells if isinstance(cell, str) and (one := _NUMBERS.fullmatch(cell)) and one[2] != "."]
+    if any(int(one[1]) > _LONGEST_MONTH and len(one[4]) == 2 for one in found):
+        return "year_first"
     day_first, month_first = any(int(one[1]) > 12 for one in found), any(int(one[3]) > 12 for one in found)
     years_last = len({one[1] for one in found}) >= len({one[4] for one in found})
     if day_first == month_first or (day_first and not years_last):

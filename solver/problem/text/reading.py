@@ -33,6 +33,10 @@ _FORMS: dict[str, Form] = {".json": "json", ".yaml": "yaml", ".yml": "yaml"}
 _READING_ERRORS = (ValueError, TypeError, LookupError, AttributeError, AssertionError, NotImplementedError)
 
 
+# A string that does not end reaches to the end of the text, so that each character is looked at once.
+_PIECE = re.compile(r'"(?:[^"\\]|\\.)*+"?|[{}\[\]:,]', re.DOTALL)
+
+
 def read_problem_file(path: Path) -> dict[str, Any]:
     """Read a problem file, JSON when it ends in ``.json``, YAML when it ends in ``.yaml`` or ``.yml``.
 
@@ -233,10 +237,6 @@ def _error(message: str) -> ProblemError:
 
 def _too_large(most: int) -> ProblemError:
     return _error(f"problem is larger than {most} bytes; put long series into CSV files (file: ...), or write JSON")
-
-
-# A string that does not end reaches to the end of the text, so that each character is looked at once.
-_PIECE = re.compile(r'"(?:[^"\\]|\\.)*+"?|[{}\[\]:,]', re.DOTALL)
 
 
 def duplicate_place(text: str) -> str:

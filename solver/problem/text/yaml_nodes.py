@@ -20,6 +20,10 @@ MAX_REPEATED = 100_000
 """Keys and values that the aliases and merge keys of a text may repeat."""
 
 
+MAX_DEPTH = 30
+"""Levels of nesting that a problem may have."""
+
+
 def reader() -> YAML:
     """Make a reader for one text: YAML 1.2, no tags.
 
@@ -69,10 +73,6 @@ def _refuse_repetition(root: Any) -> None:
     if size(root) - len(sizes) > MAX_REPEATED:
         message = f"aliases and merge keys (*name, <<) repeat more than {MAX_REPEATED} values, the maximum"
         raise ProblemError([Issue("", f"{message}")])
-
-
-MAX_DEPTH = 30
-"""Levels of nesting that a problem may have."""
 
 
 def too_deep(path: str) -> ProblemError:

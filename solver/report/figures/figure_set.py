@@ -68,6 +68,9 @@ __all__ = ["FigureSet", "slug"]
 Rows = tuple[list[str], list[list[object]]]
 
 
+_LONGEST = 100
+
+
 class FigureSet:
     """All figures of one run.
 
@@ -389,9 +392,6 @@ def _trace_rows(samples: Samples) -> Rows:
     header = ["generation", "particle", "objective", *(f"parameter.{name}" for name in samples.names)]
     columns = (samples.generations.tolist(), samples.particles.tolist(), samples.objectives.tolist())
     return header, [[*place, *x] for *place, x in zip(*columns, samples.parameters.tolist(), strict=True)]
-
-
-_LONGEST = 100
 
 
 def slug(name: str) -> str:

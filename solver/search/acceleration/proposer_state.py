@@ -14,6 +14,11 @@ __all__ = ["Later", "MOST_SHARE", "Polishing", "ProposerState"]
 MOST_SHARE = 0.9
 
 
+_WORTH = 1e-3  # a relative decrease of the objective that counts
+_PATIENCE = 2
+_LONGEST = 10  # generations
+
+
 @dataclass(frozen=True, slots=True)
 class Later:
     """A generation that was asked while the one before it was out.
@@ -92,11 +97,6 @@ class ProposerState:
             data.get("unseen", 0),
             None if later is None else Later.from_json(later),
         )
-
-
-_WORTH = 1e-3  # a relative decrease of the objective that counts
-_PATIENCE = 2
-_LONGEST = 10  # generations
 
 
 @dataclass(frozen=True, slots=True)

@@ -200,6 +200,7 @@ def test_dates_that_may_begin_with_the_year_are_asked_for(tmp_path: Path) -> Non
     text = "date;y [m]\n24-11-10;1\n24-11-11;2\n24-11-12;3\n"
     assert "give x_dates: day_first, month_first or year_first" in mistakes(tmp_path, "a.csv", text, **keys)
     assert observed(tmp_path, "a.csv", text, x_dates="year_first", **keys).points.x == [0.0, 1.0, 2.0]
+    assert observed(tmp_path, "a.csv", text.replace("24-", "98-"), **keys).points.x == [0.0, 1.0, 2.0]
     days = "date;y [m]\n24-11-10;1\n25-11-10;2\n"
     assert observed(tmp_path, "a.csv", days, **keys).points.x == [0.0, 1.0]
 

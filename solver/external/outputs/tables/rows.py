@@ -30,6 +30,9 @@ __all__ = [
 _MOST_COMMENTS = 20
 
 
+_SIGNS = {",": ",", ";": ";", "tab": "\t"}
+
+
 @dataclass(frozen=True, slots=True)
 class TableShape:
     """How the lines of a table are read; the fields are those of the section."""
@@ -232,8 +235,6 @@ def _resplit(text: str, count: int, decimal: str) -> list[str] | None:
 
 Separator: TypeAlias = Literal["auto", ",", ";", "tab", "blanks"]
 """What stands between cells; ``auto`` decides by the first row of numbers."""
-
-_SIGNS = {",": ",", ";": ";", "tab": "\t"}
 
 
 def guessed_separator(line: str, decimal: str) -> Separator:
