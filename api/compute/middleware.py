@@ -116,6 +116,7 @@ class ComputeMiddleware:
             process.watch(self._settings.compute_seconds, self._settings.compute_memory_mb)
         )
         why: str | None = None
+        refuse = _too_heavy
         try:
             await asyncio.wait({asking, watching}, return_when=asyncio.FIRST_COMPLETED)
             if asking.done():
@@ -123,7 +124,7 @@ class ComputeMiddleware:
             else:
                 why = watching.result()
         except (EndedError, httpx.TransportError) as error:
-            why = str(error) or "broke off"
+            why, refuse = str(error) or "broke off", _process_ended
         finally:
             watching.cancel()
             if asking.done() and why is None and not asking.cancelled() and asking.exception() is None:
@@ -134,7 +135,7 @@ class ComputeMiddleware:
         if why is not None:
             log.warning("the process that worked on %s %s %s", scope["method"], scope["path"], why)
             if not send.begun:
-                await _refuse(scope, send, _too_heavy(why))
+                await _refuse(scope, send, refuse(why))
 
 
 class _Answer:
@@ -188,12 +189,24 @@ async def _refuse(scope: Scope, send: Send, error: DetailError) -> None:
 
 
 def _too_heavy(why: str) -> DetailError:
+    """The process was ended at a limit."""
     return DetailError(
         422,
         f"The process that worked on this request {why}. Ask for less; if a forward model of another package is "
         "involved, it may be to blame.",
         kind="too-heavy",
         title="Too heavy",
+    )
+
+
+def _process_ended(why: str) -> DetailError:
+    """The process ended by itself."""
+    return DetailError(
+        422,
+        f"The process that worked on this request {why} before it had answered. Code that ends its process (a forward "
+        "model, soil law or method of another package) must be mended; without such code, see the server's log.",
+        kind="process-ended",
+        title="Process ended",
     )
 
 

@@ -45,7 +45,7 @@ GONE = frozenset(
 
 
 class EndedError(Exception):
-    """The process ended, by itself or because it had to, before it had answered."""
+    """The process ended by itself before it had answered."""
 
 
 class ComputeProcess:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pydantic import ValidationError
+
 from geoswarm.solver.ags.contents import Contents, strength_in_words
 from geoswarm.solver.ags.monitoring import csv_of
 from geoswarm.solver.ags.oedometer import oedometer_part
@@ -19,7 +21,9 @@ from geoswarm.solver.ags.triaxial import least_modulus, triaxial_parts
 from geoswarm.solver.ags.wishes import Asked, Wishes
 from geoswarm.solver.estimates.usual import ordered
 from geoswarm.solver.external.pest_control.names import new_name, word
+from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.laws.registry import UnknownLawError, find_law
+from geoswarm.solver.problem.issues import issues_of
 
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
@@ -88,8 +92,23 @@ def made_of(contents: Contents, wishes: Wishes) -> Made:
             f"{contents.file}: {len(parts)} tests; at most {_MOST_TESTS} make a problem: choose with "
             f"{wishes.asked.specimen}"
         )
+    for part in parts:
+        _require_accepted(part, contents.file, wishes.asked)
     document, assumed = _document(contents, parts, law, wishes.asked)
     return Made(document, tuple(parts), tuple(dict.fromkeys([*notes, *assumed])), instruments)
+
+
+def _require_accepted(part: Part, file: str, asked: Asked) -> None:
+    """Raise AgsError where a problem would refuse the test: what is made can be loaded."""
+    try:
+        parse_spec(part.section)
+    except ValidationError as error:
+        kind = part.section["kind"]
+        issues = issues_of(error, part.section, kind, lambda: find_spec(kind).model_json_schema())
+        raise AgsError(
+            f"{file}: {part.id} makes no test that a problem accepts: {'; '.join(map(str, issues))}. Choose other "
+            f"specimens with {asked.specimen}, or correct a copy of the file"
+        ) from None
 
 
 def with_points(made: Made, file: str) -> dict[str, Any] | None:

@@ -9,6 +9,7 @@ from geoswarm.solver.ags.parameters import rounded_up
 from geoswarm.solver.ags.parts import Part, Reading
 from geoswarm.solver.ags.tables import AgsError
 from geoswarm.solver.ags.wishes import Wishes
+from geoswarm.solver.forward.staged_section import MAX_STAGES
 from geoswarm.solver.words import number
 
 if TYPE_CHECKING:
@@ -32,8 +33,13 @@ def oedometer_part(name: str, id: str, test: CompressionTest, law: Law, wishes: 
     Raises
     ------
     AgsError
-        The initial stress is not below that of the first increment.
+        There are more increments than stages of a test, or the initial stress is not below that of the first.
     """
+    if len(test.increments) > MAX_STAGES:
+        raise AgsError(
+            f"{id} has {len(test.increments)} increments, and a test takes at most {MAX_STAGES} stages: choose other "
+            f"specimens with {wishes.asked.specimen}, or leave rows out of {test.groups} in a copy of the file"
+        )
     first, initial_stress = test.increments[0].stress, wishes.initial_stress
     if initial_stress is not None and not 0.0 < initial_stress < first:
         raise AgsError(

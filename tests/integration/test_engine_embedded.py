@@ -100,6 +100,20 @@ def test_a_model_that_would_end_every_worker_is_built_in_none(database_url: str)
         assert [worker.id for worker in engine.service.workers()] == before
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("local_batch_seconds", [0.0, 1.0])
+def test_a_method_that_ends_every_worker_fails_its_job_alone(database_url: str, local_batch_seconds: float) -> None:
+    fatal = line(method={"kind": "grid", "levels": 4, "ends_workers": True}, stopping={})
+    settings = Settings(database_url=database_url, workers=1, **{**STEADY, "local_batch_seconds": local_batch_seconds})
+    with open_engine(settings) as engine:
+        fatal_id = engine.service.submit(fatal)[0].id
+        innocent = engine.service.submit(line(stopping={"max_evaluations": 12}))[0].id
+        assert wait_until_ended(engine.service, fatal_id).error == (
+            "BuildError: 3 workers ended while they built the problem or its method acted; mend the code that ends them"
+        )
+        assert wait_until_ended(engine.service, innocent).state == "finished"
+
+
 def test_pause_stops_and_resume_goes_on(database_url: str, gated: Gated) -> None:
     with open_engine(Settings(database_url=database_url, workers=2, **STEADY)) as engine:
         job_id = engine.service.submit(gated.problem)[0].id

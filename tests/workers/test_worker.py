@@ -155,7 +155,7 @@ def test_a_job_fails_that_was_being_built_when_three_workers_ended(
                 make_worker().serve(job_id)
     make_worker().serve(job_id)
     assert service.get(job_id).error == (
-        "BuildError: 3 workers ended while they built the problem; mend the code that ends them"
+        "BuildError: 3 workers ended while they built the problem or its method acted; mend the code that ends them"
     )
 
 

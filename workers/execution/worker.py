@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from functools import partial
 
 from cachetools import LRUCache
@@ -13,6 +14,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.forward.registry import is_foreign
+from geoswarm.solver.methods.registry import BUILT_IN
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runner.evaluator import BuildError, Evaluator, InlineEvaluator, NoProcessError, RunLimits
@@ -201,7 +203,8 @@ class Worker:
         answer = self._exchange(job_id, course, Submission(), turn)
         if answer.queued:
             try:
-                progress: Progress | InfeasibleSpaceError = course.start(self._free_slots(job_id, course))
+                with self._method_acts(job_id, course):
+                    progress: Progress | InfeasibleSpaceError = course.start(self._free_slots(job_id, course))
             except InfeasibleSpaceError as error:
                 progress = error
             self.runtime.start(job_id, progress)
@@ -210,7 +213,10 @@ class Worker:
         while answer.claim is not None:
             self.heartbeat.claim = claim = answer.claim
             claimed = ClaimRunner(claim, self._evaluator, course, self.settings, self.heartbeat, early)
-            with span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)):
+            with (
+                span("evaluations", job=job_id, generation=claim.generation, evaluations=len(claim.particles)),
+                self._method_acts(job_id, course, acts=claim.job is not None),  # it does in whole generations
+            ):
                 submission = claimed.run()
             if claimed.trouble is not None or course.problem.forward_model.unavailable() is not None:
                 turn.end()  # what has changed is seen to when the job is taken up again
@@ -268,18 +274,43 @@ class Worker:
     def _ask(self, job_id: str, course: Course, submission: Submission, turn: _Turn, *, want: bool = True) -> Exchange:
         """Exchange with the runtime once."""
         want = want and turn.goes_on(soon=submission.partial)
-        answer = self.runtime.exchange(
-            job_id,
-            self.identity.id,
-            course,
-            submission,
-            live_workers=self._live_workers,
-            want=want,
-            taken_up=turn.begins,
-            noted=turn.noted,
-        )
+        with self._method_acts(job_id, course):
+            answer = self.runtime.exchange(
+                job_id,
+                self.identity.id,
+                course,
+                submission,
+                live_workers=self._live_workers,
+                want=want,
+                taken_up=turn.begins,
+                noted=turn.noted,
+            )
         turn.begins = turn.begins and answer.queued
+        done, following = submission.claim, answer.claim
+        if _foreign_method(course) and done and following and following.generation > done.generation:
+            self.store.write(lambda connection: end_build(connection, job_id))
         return answer
+
+    @contextmanager
+    def _method_acts(self, job_id: str, course: Course, *, acts: bool = True) -> Iterator[None]:
+        """Note that a method of another package acts in this process, which may end by it."""
+        if not (acts and _foreign_method(course)):
+            yield
+            return
+        self._begin(job_id)
+        try:
+            yield
+        finally:
+            self.store.write(lambda connection: end_build(connection, job_id, self.identity.id))
+
+    def _begin(self, job_id: str) -> None:
+        """Note that this worker may end by what follows; three that have ended so are enough."""
+        lost = self.store.write(lambda connection: begin_build(connection, job_id, self.identity.id))
+        if lost >= MOST_LOST_WORKERS:
+            self.store.write(lambda connection: end_build(connection, job_id))
+            raise BuildError(
+                f"{lost} workers ended while they built the problem or its method acted; mend the code that ends them"
+            )
 
     def _early(
         self, job_id: str, course: Course, turn: _Turn, submission: Submission, want: bool
@@ -301,16 +332,14 @@ class Worker:
         row = self.store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
             return None
-        lost = self.store.write(lambda connection: begin_build(connection, job_id, self.identity.id))
-        if lost >= MOST_LOST_WORKERS:
-            self.store.write(lambda connection: end_build(connection, job_id))
-            raise BuildError(f"{lost} workers ended while they built the problem; mend the code that ends them")
+        self._begin(job_id)
         try:
             self._courses[job_id] = course = self._built(job_id, row)
         except Exception:
             self.store.write(lambda connection: end_build(connection, job_id, self.identity.id))
             raise
-        self.store.write(lambda connection: end_build(connection, job_id))
+        built_by = self.identity.id if _foreign_method(course) else None  # those that it ended remain noted
+        self.store.write(lambda connection: end_build(connection, job_id, built_by))
         return course
 
     def _built(self, job_id: str, row: Record) -> Course:
@@ -381,3 +410,7 @@ class _Turn:
             self.until = time.monotonic() + slice_seconds
             self.begins, self.noted = True, False
         return time.monotonic() < self.until
+
+
+def _foreign_method(course: Course) -> bool:
+    return course.problem.method.kind not in BUILT_IN

@@ -370,7 +370,10 @@ builds = Table(
     _job(key=True),
     Column("worker", String(80), primary_key=True),
 )
-"""Workers that are building the problem of a job. One that has ended meanwhile may have ended by that."""
+"""Workers that are building the problem of a job, or in which its method of another package acts.
+
+One that has ended meanwhile may have ended by that.
+"""
 
 counters = Table(
     "counters",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import gc
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -167,6 +169,12 @@ class Report:
 
         ``told``: is called with how many figures and reports are written, and of how many.
         """
+        with _without_collection():
+            return self._written(folder, html, pdf, figures, told)
+
+    def _written(
+        self, folder: Path, html: bool, pdf: bool, figures: Sequence[str] | None, told: Callable[[int, int], None]
+    ) -> list[Path]:
         reports: list[Path] = []
         written: list[Path] = []
         names = self.figures.shown if figures is None else figures
@@ -222,6 +230,18 @@ def report_of_result(
         uncertainty=uncertainty,
         compared=compared,
     )
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Do not look for garbage in the body: figures are many small objects, and all of them are kept until its end."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
 
 
 def linearise_stored(

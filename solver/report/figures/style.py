@@ -281,8 +281,21 @@ def _render(figure: Figure, form: str, **options: Any) -> bytes:
     with drawing():
         rendered = _RENDERED.setdefault(figure, {})
         if form not in rendered:
+            _lay_out(figure)
             stream = io.BytesIO()
             figure.savefig(stream, format=form, facecolor="white", **options)
-            figure.set_layout_engine(None)  # found once, the layout holds for every further form
             rendered[form] = stream.getvalue()
         return rendered[form]
+
+
+def _lay_out(figure: Figure) -> None:
+    """Find the layout once, with the letters of the page, for every form; :meth:`savefig` would draw all for it."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        canvas, dpi = FigureCanvasSVG(figure), figure.dpi
+        figure.set_dpi(canvas.fixed_dpi)
+        engine.execute(figure)
+        figure.set_dpi(dpi)
+        figure.set_layout_engine(None)

@@ -19,7 +19,7 @@ from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
 from geoswarm.solver.problem import Problem, load_problem
 from geoswarm.solver.problem.given import values_from
 from geoswarm.solver.problem.parameters import FixedParameter, FreeParameter
-from tests.solver.ags.synthetic import COHESION, PHI, STRESSES, content, groups, void_ratio
+from tests.solver.ags.synthetic import COHESION, E0, FIRST, PHI, STRESSES, content, group, groups, keyed, void_ratio
 
 
 def some(*names: str, **other: str) -> Contents:
@@ -162,3 +162,18 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     (tmp_path / "BH3_P1_PRES.csv").write_text("mine")
     with pytest.raises(FileInTheWayError, match=r"BH3_P1_PRES\.csv exists with other contents"):
         imported(some("BH3"), tmp_path, Wishes())
+
+
+def _many(increments: int) -> Contents:
+    rows = [[*FIRST, str(n), E0, 10.0 + n, E0 - 1e-4 * n] for n in range(1, increments + 1)]
+    columns = keyed(CONS_INCN=("", "X"), CONS_IVR=("", "3DP"), CONS_INCF=("kPa", "0DP"), CONS_INCE=("", "4DP"))
+    return some("BH1/3/1", CONS=group("CONS", columns, rows))
+
+
+def test_what_is_imported_can_be_loaded_or_is_refused(tmp_path: Path) -> None:
+    problem, _ = made(tmp_path / "most", _many(1000))
+    assert problem.counted_points == 1000
+    with pytest.raises(AgsError, match=r"has 1001 increments, and a test takes at most 1000 stages: .* --specimen"):
+        imported(_many(1001), tmp_path / "more", Wishes())
+    with pytest.raises(AgsError, match=r"BH1/3/1.* makes no test that a problem accepts: oedometer\.stages.*, got 1"):
+        imported(some("BH1/3/1"), tmp_path / "long", Wishes(duration=1e8))
