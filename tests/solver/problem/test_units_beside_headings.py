@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.problem import TableError, read_measurements
+from geoswarm.solver.problem.issues import validated
+from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import Columns, table_of
 from geoswarm.solver.problem.tables.headings import heading_of
+from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.sentences import plain
 from geoswarm.solver.units import convert
 from tests.solver.problem.test_laboratory_files import ods_cell, open_document, sheet_rows
@@ -167,3 +170,16 @@ def test_two_units_outside_of_brackets_are_asked_for(heading: str) -> None:
     _, wrong = unit_of_data("y", None, "m", heading_of(heading, {}), unitless=False)
     assert wrong is not None
     assert "names several units" in plain(wrong)
+
+
+@pytest.mark.parametrize(("unit", "kilopascals"), [("kg/cm2", 98.0665), ("psf", 0.04788), ("kPa", 1.0), ("mPa", 1e-6)])
+def test_the_problem_takes_the_units_that_refusals_name(unit: str, kilopascals: float) -> None:
+    """``y_unit: kg/cm2``, as the refusal of a column without a unit says, was an unknown unit."""
+    section, issues = validated(ObservationSection, {"series": "q", "file": "a.csv", "y_unit": unit}, "")
+    assert section is not None, issues
+    assert section.y_unit is not None
+    assert np.isclose(float(convert(1.0, section.y_unit, "kPa")), kilopascals, rtol=1e-4)
+
+
+def test_an_abbreviated_pore_pressure() -> None:
+    assert quantities_of("Porenwass.") == ("pore_pressure",)
