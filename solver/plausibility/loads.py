@@ -16,7 +16,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.units import convert
 
-__all__ = ["loads_not_shown"]
+__all__ = ["ends_early_in", "loads_not_shown"]
 
 _GROWTH, _PART = 1.5, 0.05
 """Increases of stress that must be seen: over the stress before, and over the largest one of the test."""
@@ -39,34 +39,41 @@ def loads_not_shown(problem: Problem) -> Iterator[Sentence]:
             yield from _steps(readings)
 
 
-def _unread(readings: StagedReadings) -> Iterator[Sentence]:
-    wanted = range(readings.spec.zero_at_stage, len(readings.spec.stages) + 1)
-    missing = sorted(set(wanted) - set(readings.stages.astype(int).tolist()) - _left_out(readings))
-    if not missing:
-        return
+def ends_early_in(readings: StagedReadings) -> tuple[str, str | None] | None:
+    """Say that times end before the last stages begin, and the unit in which they would not; None where they do not."""
+    missing, stages = _missing(readings), len(readings.spec.stages)
     last = int(readings.stages.max())
+    if readings.by_stage or not missing or missing[0] <= last or len(missing) != stages - last:
+        return None
     end = float(convert(readings.x[-1], "day", readings.x_unit))
     whole = float(sum(stage.duration for stage in readings.spec.stages[readings.spec.zero_at_stage - 1 :]))
-    if missing[0] > last and len(missing) == wanted[-1] - last:
-        meant = _time_unit(readings, whole)
-        unit = f"{readings.path}.x_unit"
-        remedy: Sentence = (
-            (f"in {meant} they would end with it: ", setting(unit, meant))
-            if meant
-            else (
-                *("check ", setting(unit), f" (now {readings.x_unit}) and ", readings.key("stages[].duration")),
-                " (day), or leave out the stages without readings",
-            )
-        )
+    seen = (
+        f"the readings end at {end:g} {readings.x_unit}, in stage {last} of {stages}, which end after "
+        f"{float(convert(whole, 'day', readings.x_unit)):g} {readings.x_unit}"
+    )
+    return seen, _time_unit(readings, whole)
+
+
+def _missing(readings: StagedReadings) -> list[int]:
+    """Stages without a reading."""
+    wanted = range(readings.spec.zero_at_stage, len(readings.spec.stages) + 1)
+    return sorted(set(wanted) - set(readings.stages.astype(int).tolist()) - _left_out(readings))
+
+
+def _unread(readings: StagedReadings) -> Iterator[Sentence]:
+    missing = _missing(readings)
+    if not missing:
+        return
+    ends = ends_early_in(readings)
+    if ends is not None and ends[1] is None:
+        unit = setting(f"{readings.path}.x_unit")
         yield (
-            readings.title,
-            f": the readings end at {end:g} {readings.x_unit}, in stage {last} of {wanted[-1]}, which end after "
-            f"{float(convert(whole, 'day', readings.x_unit)):g} {readings.x_unit}; ",
-            *remedy,
+            *(readings.title, f": {ends[0]}; check ", unit, f" (now {readings.x_unit}) and "),
+            *(readings.key("stages[].duration"), " (day), or leave out the stages without readings"),
         )
-    else:
+    elif ends is None:
         yield (
-            *(readings.title, f": there is no reading in {_named(missing)} of {wanted[-1]}; check "),
+            *(readings.title, f": there is no reading in {_named(missing)} of {len(readings.spec.stages)}; check "),
             *(readings.key("stages"), " against the record of the test"),
         )
 

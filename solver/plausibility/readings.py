@@ -14,6 +14,7 @@ from geoswarm.solver.errors import Issue
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.laboratory.section import FlowSpec, LaboratorySpec
+from geoswarm.solver.plausibility.loads import ends_early_in
 from geoswarm.solver.plausibility.staged import StagedReadings, staged_readings
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import section_of_test
@@ -97,6 +98,7 @@ class Doubt:
 def doubtful_readings(problem: Problem) -> Iterator[Doubt]:
     """Readings larger than the specimen or next to nothing, of the wrong sign, or far from the loads."""
     for readings in staged_readings(problem):
+        yield from _times(readings)
         if readings.quantity == "void_ratio":
             yield from _void_ratio(readings)
         else:
@@ -111,6 +113,15 @@ def doubtful_readings(problem: Problem) -> Iterator[Doubt]:
             yield from _ends_early(f"observations[{index}]", one, infos[one.series], spec)
             if name == "pore_pressure" and not isinstance(spec, FlowSpec):
                 yield from _back_pressure(f"observations[{index}]", one, section, getattr(spec, "back_pressure", 0.0))
+
+
+def _times(readings: StagedReadings) -> Iterator[Doubt]:
+    """Times of the first stages only, which in another unit end with the test."""
+    ends = ends_early_in(readings)
+    if ends is not None and (meant := ends[1]) is not None:
+        seen = f"{ends[0]}; in {meant} they would end with it"
+        remedy: Sentence = ": ", setting(f"{readings.path}.x_unit", meant)
+        yield Doubt(readings.observation.series, readings.path, "x_unit", seen, remedy, True, meant)
 
 
 def _size(readings: StagedReadings) -> Iterator[Doubt]:

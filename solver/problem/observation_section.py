@@ -12,9 +12,11 @@ from geoswarm.solver.problem.readings.joined import BlockSection
 from geoswarm.solver.problem.readings.preparation import Resample
 from geoswarm.solver.problem.readings.zero import ZeroReading
 from geoswarm.solver.problem.tables.dates import DateForm, moment_in
+from geoswarm.solver.problem.tables.headings import known_unit
 from geoswarm.solver.problem.tables.numerals import DecimalSign
 from geoswarm.solver.section import Section
 from geoswarm.solver.sentences import SentenceError, setting
+from geoswarm.solver.units import UnitError, base_unit
 
 __all__ = ["ObservationSection", "PointsSection"]
 
@@ -213,6 +215,18 @@ class ObservationSection(Section):
         max_length=20,
         description="where the readings come from and what was done to them, for the report; geoswarm adds its own",
     )
+
+    @field_validator("x_unit", "y_unit")
+    @classmethod
+    def _units_of_laboratories(cls, unit: str | None) -> str | None:
+        """Spell ``kg/cm2`` as the registry of units does; what it knows itself stays as it is."""
+        if unit is None:
+            return None
+        try:
+            base_unit(unit)
+        except UnitError:
+            return known_unit(unit)[0] or unit
+        return unit
 
     @field_validator("x_factor", "y_factor")
     @classmethod

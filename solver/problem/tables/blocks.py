@@ -6,6 +6,7 @@ A table is a row of names, then perhaps rows of units, then rows with at least t
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -16,15 +17,28 @@ from geoswarm.solver.problem.tables.headings import (
     is_unit,
     known_unit,
     number_with_unit,
+    unclear_unit,
     units_of,
     without_brackets,
 )
 from geoswarm.solver.problem.tables.numerals import two_readings
-from geoswarm.solver.problem.tables.packed import FORMULA, Cell
+from geoswarm.solver.problem.tables.packed import FORMULA, Cell, Covered
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["SAMPLE", "Block", "Rows", "begin", "is_heading", "is_reading", "key", "shown", "unit_of_cell", "with_units"]
+__all__ = [
+    "SAMPLE",
+    "Block",
+    "Rows",
+    "begin",
+    "is_heading",
+    "is_reading",
+    "is_unit_column",
+    "key",
+    "shown",
+    "unit_of_cell",
+    "with_units",
+]
 
 Rows = Sequence[tuple[int, Sequence[Cell]]]
 """Rows of a file that are not empty, with the numbers of their lines."""
@@ -37,6 +51,17 @@ _JOINING = ("in", "/", "-", "–", ":", "|", "=")
 _MOST_HEADINGS = 4
 _LONGEST_SYMBOL = 5
 _LONG_ENOUGH = 3
+_MOST_TITLES = 20
+_UNIT_COLUMN = re.compile(r"(?:maß|mass)?einheit(?:en)?|units?", re.IGNORECASE)
+_ALL = re.compile(r"(?:alle?\s+)?(?:(?:mess)?werte|values|readings|angaben)|einheit(?:en)?|units?", re.IGNORECASE)
+_NO_WORDS = re.compile(r"[\[\](){}:]|\bin\b", re.IGNORECASE)
+_TITLE_WORDS = re.compile(r"\b(?:alle?|sind|are|values|werte)\b", re.IGNORECASE)
+_DIMENSIONS = (
+    ("day", r"time"),
+    ("m", r"settlement|\w+_displacement"),
+    ("dimensionless", r"\w+_strain"),
+    ("kPa", r"\w+_stress|\w*pore_pressure|[pq]"),
+)
 SAMPLE = 2000
 """Rows that show where a table is, and what separates its columns."""
 
@@ -84,6 +109,11 @@ def is_heading(cell: Cell) -> bool:
         return False
     unit = unit_of_cell(cell)
     return (unit or "-") not in _NO_UNITS or any(one.certain for one in units_of(cell)) or quantities_of(cell) != ()
+
+
+def is_unit_column(name: str) -> bool:
+    """Whether a heading is that of the units of another column."""
+    return _UNIT_COLUMN.fullmatch(name.strip()) is not None
 
 
 def unit_of_cell(cell: Cell) -> str | None:
@@ -215,6 +245,7 @@ def _block(rows: Rows, readings: Sequence[frozenset[int]], place: int, names: se
     for index in range(below, min(below + _MOST_HEADINGS, len(readings))):
         row, below_names = rows[index][1], _below_names(rows, place, index)
         units = _is_units(row, letters=below_names) or (below_names and _symbols(row) is not None)
+        units = units and not _has_unit_column(rows, place, index)
         if readings[index] and not units:
             break
         if units:
@@ -258,6 +289,10 @@ def _header(rows: Rows, place: int, below: int) -> list[str]:
         over = []
     elif sum(cell != "" for cell in over) < 2:  # a title
         over = []
+    spanning = _spanning(above[1]) if above[0] == line - 1 else {}
+    for _, units in rows[place + 1 : below]:
+        spanning |= _spanning(units)
+    titles = _titles(rows, place)
     header = []
     for index in range(max(len(row), *(len(one) for one in parts), 0)):
         name = shown(_at(row, index)) or shown(_at(over, index))
@@ -266,8 +301,77 @@ def _header(rows: Rows, place: int, below: int) -> list[str]:
             name = name or further
             if unit:
                 name = f"{name} [{unit}]".strip()
+        if name and index in spanning:
+            name = _with_unit(name, spanning[index])
+        for meant, unit in titles if name else ():
+            named = quantities_of(without_brackets(name))[:1]
+            if named and _dimension(named[0]) == known_unit(unit)[1] and meant in ("", named[0]):
+                name = _with_unit(name, unit)
         header.append(name)
     return header
+
+
+def _has_unit_column(rows: Rows, place: int, index: int) -> bool:
+    """Whether a row such as ``1;1;mm`` holds readings, with their unit in a column of its own."""
+    row, next_row = rows[index][1], rows[index + 1][1] if index + 1 < len(rows) else []
+    if not _readings(row):
+        return False
+    words = [column for column, cell in enumerate(row) if cell != "" and not is_reading(cell)]
+    return any(
+        is_unit_column(shown(_at(rows[place][1], column))) or row[column] == _at(next_row, column) for column in words
+    )
+
+
+def _spanning(row: Sequence[Cell]) -> dict[int, str]:
+    """Units of merged cells, by the columns that these span."""
+    found = {}
+    for index, cell in enumerate(row):
+        if isinstance(cell, Covered) and (unit := _unit_in(cell.text)) is not None:
+            found[index] = unit
+            if not isinstance(row[index - 1], Covered):
+                found[index - 1] = unit
+    return found
+
+
+def _unit_in(text: str) -> str | None:
+    """The only unit that a heading or a title names for certain."""
+    if (unit := unit_of_cell(text)) is not None:
+        return unit
+    best = best_unit(named := units_of(text))
+    return best.text if best is not None and best.certain and unclear_unit(named) is None else None
+
+
+def _titles(rows: Rows, place: int) -> list[tuple[str, str]]:
+    """What lines such as ``Setzungen in mm`` say above a table: quantity, empty for all, and unit."""
+    found = []
+    for _, row in reversed(rows[max(place - _MOST_TITLES, 0) : place]):
+        filled = [cell for cell in row if cell != ""]
+        if len(_readings(row)) > 1:
+            break  # another table
+        if len(filled) != 1 or not isinstance(filled[0], str) or (unit := _unit_in(filled[0])) is None:
+            continue
+        label = " ".join(_NO_WORDS.sub(" ", filled[0].replace(unit, " ", 1)).split())
+        words = _TITLE_WORDS.sub(" ", label).split()
+        meant = quantities_of(words[0].removesuffix("en").removesuffix("s")) if len(words) == 1 else ()
+        if _ALL.fullmatch(label) is not None:
+            found.append(("", unit))
+        elif meant:
+            found.append((meant[0], unit))
+    return found
+
+
+def _dimension(quantity: str) -> str | None:
+    return next((base for base, words in _DIMENSIONS if re.fullmatch(words, quantity)), None)
+
+
+def _with_unit(name: str, unit: str) -> str:
+    """A heading with the unit that a merged cell or a title adds; with both where they contradict each other."""
+    named = units_of(name)
+    best, added = best_unit(named), known_unit(unit)
+    if not named:
+        return f"{name} [{unit}]"
+    other = best is not None and best.base == added[1] and best.unit != added[0]
+    return f"{name} [{unit}]" if other else name
 
 
 def _parts(row: Sequence[Cell]) -> list[tuple[str, str]]:

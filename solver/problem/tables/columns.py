@@ -15,6 +15,7 @@ from geoswarm.solver.problem.tables.dates import (
     ELAPSED,
     DateForm,
     day_of,
+    doubtful_date,
     elapsed_days,
     form_of,
     is_moment,
@@ -34,6 +35,7 @@ from geoswarm.solver.problem.tables.picking import (
     refuse_parts_of_time,
     rows_where,
     sheet_of_names,
+    text_of,
 )
 from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import TableError
@@ -132,9 +134,8 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
     Parameters
     ----------
     content
-        The file. The first line of a CSV file that is neither empty nor a ``#`` comment has the headings; in a workbook
-        it is the one above the first row of numbers. A heading may be named with or without its unit, upper and lower
-        case alike. Rows without any of the cells that are wanted are left out.
+        The file. A heading may be named with or without its unit, upper and lower case alike. Rows without any of the
+        cells that are wanted are left out.
     name
         Its name, for messages.
     read
@@ -176,7 +177,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
         role: heading_of(
             column.name,
             comments,
-            text=column.heading,
+            text=text_of(column, sheet.header, rows, name),
             dates=role == "x" and found.zero is not None,
             in_cells=reader.units.get(role),
         )
@@ -318,11 +319,12 @@ class _Reader:
         """Date and time of each row."""
         clock, form = self.columns.get("x_time"), self._wanted.dates or form_of(cell for _, cell in x.cells)
         expected = DATES_ACCEPTED if form in (None, "serial") else f"{_AS_WRITTEN[form]} or {DATES_ACCEPTED}"
-        moments = []
+        doubtful, moments = None if form is not None else doubtful_date(cell for _, cell in x.cells), []
         for i, (_, cell) in enumerate(x.cells):
-            moment = moment_in(cell, form)
+            moment = None if cell == doubtful else moment_in(cell, form)
             if moment is None and form is None and is_moment(cell):
-                told = f"{self._name}, column {x.name}: '{cell}' is a date whose day or month may be first; give "
+                other = "year" if cell == doubtful else "month"
+                told = f"{self._name}, column {x.name}: '{cell}' is a date whose day or {other} may be first; give "
                 raise TableError((told, _FIRST_OF_DATES))
             if moment is None:
                 self._bad(i, x, f"not a date, such as {expected}")

@@ -15,6 +15,7 @@ __all__ = [
     "ELAPSED",
     "DateForm",
     "day_of",
+    "doubtful_date",
     "elapsed_days",
     "elapsed_form",
     "form_of",
@@ -94,7 +95,7 @@ def moment_in(cell: Cell, form: DateForm | None = None) -> datetime | None:
         return None  # who writes 03/04/2024 may mean either
     if form == "year_first":
         return _moment(found[1], int(found[3]), found[4], found.groups()[4:]) if len(found[4]) == 2 else None
-    month_first = form == "month_first" and found[2] != "."
+    month_first = form == "month_first"
     month, day = (found[1], found[3]) if month_first else (found[3], found[1])
     return _moment(found[4], int(month), day, found.groups()[4:])
 
@@ -145,6 +146,13 @@ def form_of(cells: Iterable[Cell]) -> DateForm | None:
     if day_first == month_first or (day_first and not years_last):
         return None
     return "day_first" if day_first else "month_first"
+
+
+def doubtful_date(cells: Iterable[Cell]) -> str | None:
+    """First of the dates with points that may begin with the year: 24.11.10, 24.11.11; None where the day is first."""
+    found = [one for cell in cells if isinstance(cell, str) and (one := _NUMBERS.fullmatch(cell)) and one[2] == "."]
+    years_last = len({one[1] for one in found}) >= len({one[4] for one in found})
+    return None if years_last or any(len(one[4]) == 4 for one in found) else found[0][0]
 
 
 def time_of_day(cell: Cell) -> timedelta | None:

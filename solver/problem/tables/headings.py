@@ -78,6 +78,7 @@ _VALUE_BEFORE = re.compile(
 _LETTERS = re.compile(r"([A-Za-z]{1,3}):\1")  # a column without a heading: H:H are no hours
 _LETTER = re.compile(r"[^\W\dxeE_]|[%‰°]")
 _NUMBERED = re.compile(r"^[a-ln-zA-Z]\d+$|[A-Za-z]1(?!\d)")  # s1, A2, min1: names, not powers
+_SIZES = ("m", "kPa")  # "Setzung mm bzw. cm"
 _LONGEST = 200
 
 
@@ -282,6 +283,9 @@ def _outside(text: str, heading: str) -> Iterable[Named]:
     words = text.split()
     if len(words) > 1 and (one := _among(words, heading)) is not None:
         yield one
+        rest = [word for word in re.split(r"[\s/,;|]+", one.label) if len(word) > 1]
+        others = [(word, *_known(word, small=True)) for word in rest] if one.base in _SIZES else []
+        yield from (Named(unit, base, False, word, heading) for word, unit, base in others if base == one.base)
         return
     for found in _BEHIND.finditer(text):
         given = text[found.end() :]

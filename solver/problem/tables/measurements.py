@@ -8,7 +8,7 @@ from typing import Literal
 
 from geoswarm.solver.problem.tables.blocks import begin, key
 from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
-from geoswarm.solver.problem.tables.dates import elapsed_days, form_of, is_moment, moment_in, time_of_day
+from geoswarm.solver.problem.tables.dates import doubtful_date, elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
     Named,
@@ -20,10 +20,11 @@ from geoswarm.solver.problem.tables.headings import (
 )
 from geoswarm.solver.problem.tables.numerals import doubtful_cell, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell, column_letters
-from geoswarm.solver.problem.tables.picking import Picked, lying_rows
+from geoswarm.solver.problem.tables.picking import Picked, lying_rows, units_beside
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.units import convert
+from geoswarm.solver.words import listed
 
 __all__ = ["Column", "Measurements", "read_measurements"]
 
@@ -180,13 +181,25 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
         cells = [row[place] if place < len(row) else "" for row in body]
         if heading or any(cell != "" for cell in cells):
             columns.append(
-                _column(heading[:200] or f"column {place + 1}", column_letters(place), cells, body, commented)
+                _column(
+                    heading[:200] or f"column {place + 1}",
+                    column_letters(place),
+                    cells,
+                    body,
+                    commented,
+                    units_beside(found.header, body, place),
+                )
             )
     return tuple(columns)
 
 
 def _column(
-    heading: str, letters: str, cells: list[Cell], body: Sequence[Sequence[Cell]], commented: Mapping[str, str]
+    heading: str,
+    letters: str,
+    cells: list[Cell],
+    body: Sequence[Sequence[Cell]],
+    commented: Mapping[str, str],
+    units: Sequence[str] = (),
 ) -> Column:
     label = guess_unit(heading)[0]
     since = elapsed_days(cells, heading)
@@ -203,9 +216,11 @@ def _column(
         values = tuple(
             None if moment is None or first is None else (moment - first).total_seconds() / 86400 for moment in moments
         )
-    named = heading_of(heading, commented, dates=kind == "time", in_cells=in_cells).named
+    text = f"{heading} [{units[0]}]" if len(units) == 1 else ""
+    named = heading_of(heading, commented, text=text, dates=kind == "time", in_cells=in_cells).named
     best = best_unit(named, BASES)
-    unclear = unclear_unit(named) or (None if best is not None else _other_quantity(best_unit(named)))
+    several = f"is in {listed(units)}" if len(units) > 1 else None
+    unclear = several or unclear_unit(named) or (None if best is not None else _other_quantity(best_unit(named)))
     best = best if unclear is None else None
     read = sum(value is not None for value in values)
     shown = tuple(_shown(cell) for cell in cells[:_FIRST_ROWS])
@@ -246,7 +261,7 @@ def _kind(
         return "number", doubtful_cell(filled, (cell for row in body for cell in row))
     form = form_of(filled)
     if sum(moment_in(cell, form) is not None for cell in filled) >= half:
-        return "time", None
+        return "time", doubtful_date(filled) if form is None else None
     either = [str(cell) for cell in filled if is_moment(cell)]
     if len(either) >= half:
         return "time", either[0]

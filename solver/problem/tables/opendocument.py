@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from xml.etree import ElementTree
 
-from geoswarm.solver.problem.tables.packed import MAX_CELLS, MAX_COLUMNS, Cell, PackedParts, formula_text
+from geoswarm.solver.problem.tables.packed import MAX_CELLS, MAX_COLUMNS, Cell, Covered, PackedParts, formula_text
 
 __all__ = ["ods_names", "ods_rows", "ods_sheets"]
 
@@ -49,12 +49,17 @@ def ods_rows(parts: PackedParts, table: ElementTree.Element) -> Iterator[list[Ce
 def _cells(parts: PackedParts, row: ElementTree.Element) -> list[Cell]:
     cells: list[Cell] = []
     blank = 0
+    covering = ""
     for cell in row:
         if cell.tag not in (f"{_TABLE}table-cell", f"{_TABLE}covered-table-cell"):
             continue
         value = _value(parts, cell)
         repeated = _repeated(cell, "columns")
-        if value == "":
+        if cell.tag == f"{_TABLE}table-cell":
+            covering = value if isinstance(value, str) and cell.get(f"{_TABLE}number-columns-spanned") else ""
+        elif value == "" and covering:
+            value = Covered(covering)
+        if value == "" and not isinstance(value, Covered):
             blank += repeated
             continue
         if len(cells) + blank >= MAX_COLUMNS:

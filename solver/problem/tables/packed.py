@@ -13,6 +13,7 @@ __all__ = [
     "MAX_CELLS",
     "MAX_COLUMNS",
     "Cell",
+    "Covered",
     "PackedParts",
     "column_letters",
     "column_number",
@@ -21,6 +22,18 @@ __all__ = [
 
 Cell = str | float
 """Text or a number; a date is text in ISO 8601."""
+
+
+class Covered(str):
+    """An empty cell below a merged one; ``text`` is what that one shows."""
+
+    text: str
+
+    def __new__(cls, text: str) -> Covered:
+        cell = super().__new__(cls)
+        cell.text = text
+        return cell
+
 
 FORMULA = "="
 """With what a formula begins that stands for a cell without a stored value."""

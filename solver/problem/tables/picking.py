@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from itertools import dropwhile, groupby, takewhile
 from operator import itemgetter
 
-from geoswarm.solver.problem.tables.blocks import is_reading, key, shown, unit_of_cell
+from geoswarm.solver.problem.tables.blocks import is_reading, is_unit_column, key, shown, unit_of_cell
 from geoswarm.solver.problem.tables.cells import Area, Sheet, number_in
-from geoswarm.solver.problem.tables.headings import guess_unit, without_brackets
+from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_of, without_brackets
 from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_letters, column_number
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.tables.workbooks import named_cells
@@ -33,6 +33,8 @@ __all__ = [
     "refuse_parts_of_time",
     "rows_where",
     "sheet_of_names",
+    "text_of",
+    "units_beside",
 ]
 
 _ADDRESS = re.compile(r"\$?([A-Za-z]{1,3})\$?(\d{1,7})(?::\.?\$?([A-Za-z]{1,3})\$?(\d{1,7}))?", re.ASCII)
@@ -181,6 +183,39 @@ def refuse_parts_of_time(header: Sequence[str], x: Picked, rows: Iterable[Sequen
         raise TableError(
             f"{file}: columns '{x.name}' and '{name}' are parts of one time; put the whole time, in one unit, into one"
         )
+
+
+def units_beside(header: Sequence[str], rows: Sequence[Sequence[Cell]], place: int) -> tuple[str, ...]:
+    """Units of a column's readings in a column of their own, behind or before it.
+
+    In the column before them they are those of another column, where there is one of readings without a unit.
+    """
+    for at in (place + 1, place - 1):
+        if not 0 <= at < len(header) or not is_unit_column(header[at]):
+            continue
+        of = at - 1
+        if of != place and of >= 0 and not units_of(header[of]) and any(is_reading(_cell(row, of)) for row in rows):
+            continue
+        filled = [str(_cell(row, at)).strip() for row in rows if _cell(row, place) != ""]
+        units = tuple(dict.fromkeys(unit_of_cell(cell) or cell for cell in filled))
+        if any(known_unit(unit)[0] is not None and not is_reading(unit) for unit in units):
+            return tuple(unit or "none" for unit in units)
+    return ()
+
+
+def text_of(column: Picked, header: Sequence[str], rows: Rows, file: str) -> str:
+    """What stands above a column, with the unit that a column beside it says.
+
+    Raises
+    ------
+    TableError
+        That column has several units.
+    """
+    units = () if column.place is None else units_beside(header, [row for _, row in rows], column.place)
+    if len(units) > 1:
+        told = f"{file}: column '{column.name}' is in {listed(units)}; choose the rows of one unit, or convert them"
+        raise TableError(told)
+    return f"{column.heading or column.name} [{units[0]}]" if units else column.heading
 
 
 def lying_rows(sheet: Sheet) -> list[Picked]:

@@ -18,7 +18,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
     (r"überdruck|ueberdruck|excess pore|excess pwp", ("excess_pore_pressure", "pore_pressure")),
-    (r"porenwasser|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
+    (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
     (r"zeit\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$", ("time",)),
     (r"porenzahl|void[ _-]ratio|^e$", ("void_ratio", "e")),
     (r"stress[ _-]ratio|spannungsverhältnis|^q ?/ ?p|^η$", ("stress_ratio",)),

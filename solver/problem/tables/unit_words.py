@@ -25,6 +25,7 @@ _WORDS = {
     "Pa": "pascal",
     "mH2O": "mh2o mws",
     "cmH2O": "cmh2o cmws",
+    "mmHg": "mmhg",
     "kPa": "kpa kilopascal kilopascals",
     "MPa": "mpa megapascal megapascals",
     "bar": "bar",
@@ -50,6 +51,7 @@ _WORDS = {
 }
 ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {
     "per mille": "permille",
+    "mm hg": "mmHg",
     **{f"{unit} {water}": f"{unit}H2O" for unit in ("m", "cm") for water in ("ws", "h2o")},
 }
 """What laboratories write, in lower case, and what the registry of units (or a problem file) calls it."""

@@ -15,6 +15,7 @@ from geoswarm.solver.problem.tables.packed import (
     MAX_CELLS,
     MAX_COLUMNS,
     Cell,
+    Covered,
     PackedParts,
     column_number,
     formula_text,
@@ -36,6 +37,7 @@ _THOUSANDS = re.compile(r"[0#?](,+)(?![0#?,])")  # commas behind the digits: sho
 _QUOTED = re.compile(r'"[^"]*"?|\[[^\]]*\]?|\\.')  # what is not closed reaches to the end: linear in the text
 _LONGEST_FORMAT = 255
 """Characters of a format that spreadsheet programs accept."""
+_MERGED = re.compile(r"([A-Z]{1,3})(\d{1,7}):([A-Z]{1,3})(\d{1,7})", re.ASCII)
 _SECONDS_A_DAY = 86400
 _WELL = 2
 
@@ -174,7 +176,9 @@ class _Workbook:
 
     def _rows(self, place: str, texts: list[str], styles: list[str], since_1904: bool) -> Iterator[list[Cell]]:
         left, line = MAX_CELLS, 0
-        for row in self._parts.part(place).iter(f"{_MAIN}row"):
+        root = self._parts.part(place)
+        merged = _merged(root)
+        for row in root.iter(f"{_MAIN}row"):
             blank = int(row.get("r") or line + 1) - line - 1  # empty rows are not stored
             left -= max(blank, 0)
             if left < 0:
@@ -188,6 +192,11 @@ class _Workbook:
                     break
                 cells += [""] * (column - len(cells))
                 cells.append(self._value(cell, texts, styles, since_1904))
+            for first, last in merged.get(line, ()):
+                text = cells[first] if first < len(cells) else ""
+                if isinstance(text, str) and text:
+                    cells += [""] * (last + 1 - len(cells))
+                    cells[first + 1 : last + 1] = [cell or Covered(text) for cell in cells[first + 1 : last + 1]]
             left -= len(cells)
             if left < 0:
                 raise self._parts.too_many()
@@ -215,6 +224,16 @@ class _Workbook:
         """Text of all runs; phonetic hints beside them are left out."""
         runs = [holder, *holder.findall(f"{_MAIN}r")]
         return self._parts.short("".join(part.text or "" for run in runs for part in run.findall(f"{_MAIN}t")).strip())
+
+
+def _merged(sheet: ElementTree.Element) -> dict[int, list[tuple[int, int]]]:
+    """First and last columns of cells that are merged over several columns, by their first line."""
+    found: dict[int, list[tuple[int, int]]] = {}
+    for one in sheet.iter(f"{_MAIN}mergeCell"):
+        cells = _MERGED.fullmatch(one.get("ref", ""))
+        if cells is not None and (first := column_number(cells[1])) < (last := column_number(cells[3])) < MAX_COLUMNS:
+            found.setdefault(int(cells[2]), []).append((first, last))
+    return found
 
 
 def _place(target: str) -> str:

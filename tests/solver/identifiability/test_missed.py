@@ -10,6 +10,7 @@ from geoswarm.solver.identifiability.remedies import Remedy
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.stored.study import analyse
+from geoswarm.solver.plausibility import to_be_accepted
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
 
@@ -41,6 +42,21 @@ def test_readings_that_no_soil_can_have_come_first() -> None:
     found = analyse(Calibration(problem, 1), samples)
     assert found.fit == fit
     assert not {one.kind for verdict in found.verdicts for one in verdict.proposals} & {"fix", "link"}
+
+
+def test_times_that_end_in_the_first_stage_come_first() -> None:
+    """Minutes read as seconds and accepted: the page said that the fit was not tested."""
+    with example_file("oedometer") as file:
+        document = load_problem(file).document()
+    document["observations"][0]["x_unit"] = "s"
+    changes = {"stopping": {"max_evaluations": 60}, "seed": 1}
+    assert to_be_accepted(parse_problem(document | changes)) == ["settlement"]
+    problem = parse_problem(document | changes | {"accept": ["settlement"]})
+    fit = fit_of_samples(Calibration(problem, 1), Samples.from_result(problem, calibrate(problem)))
+    assert fit.headline == "The readings do not fit this specimen"
+    assert fit.remedies == (
+        Remedy("check_readings", values={"units": [{"series": "settlement", "key": "x_unit", "unit": "min"}]}),
+    )
 
 
 def test_readings_that_are_missed_with_parameters_at_their_bounds() -> None:

@@ -1,0 +1,185 @@
+"""Units that stand beside the headings: in merged cells, in titles above the table, in a column of their own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geoswarm.solver.problem import TableError, read_measurements
+from geoswarm.solver.problem.issues import validated
+from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.readings.units import unit_of_data
+from geoswarm.solver.problem.tables.columns import Columns, table_of
+from geoswarm.solver.problem.tables.headings import heading_of
+from geoswarm.solver.problem.tables.quantities import quantities_of
+from geoswarm.solver.sentences import plain
+from geoswarm.solver.units import convert
+from tests.solver.problem.test_laboratory_files import ods_cell, open_document, sheet_rows
+from tests.solver.problem.test_measurements import workbook
+
+ASKED = "has no unit"
+NUMBERS = "1;1\n2;2\n4;3\n"
+
+
+def metres(content: bytes | str, y: str = "Setzung", **keys: Any) -> list[float] | str:
+    """Readings in m as the file says, or why it does not."""
+    content = content.encode() if isinstance(content, str) else content
+    try:
+        table = table_of(content, "a", Columns(x="A:A", y=y, **keys))
+    except TableError as error:
+        return str(error)
+    unit, wrong = unit_of_data("y", None, "m", table.y_heading, unitless=False)
+    if wrong is not None:
+        return plain(wrong)
+    return [round(value, 12) for value in convert(np.array(table.y), unit or "m", "m").tolist()]
+
+
+def merged(*rows: tuple[Any, ...], cells: str) -> bytes:
+    end = f'</sheetData><mergeCells><mergeCell ref="{cells}"/></mergeCells><sheetData>'
+    return workbook(("s", sheet_rows(*rows) + end))
+
+
+STAGES = (
+    ("Zeit [min]", "Setzung [mm]", None, None),
+    ("", "Stufe 1", "Stufe 2", "Stufe 3 [cm]"),
+    (1.0, 1.0, 4.0, 7.0),
+    (2.0, 2.0, 5.0, 8.0),
+)
+
+
+def test_a_merged_heading_has_the_unit_of_all_columns_that_it_spans() -> None:
+    content = merged(*STAGES, cells="B1:D1")
+    assert metres(content, "B:B") == [0.001, 0.002]
+    assert metres(content, "C:C") == [0.004, 0.005]
+    assert "names several units, cm and mm" in metres(content, "D:D")
+    assert ASKED in metres(merged(*STAGES, cells="A1:B1"), "C:C")
+    units = [column.unit for column in read_measurements(content, "a").columns]
+    assert units == ["min", "mm", "mm", None]
+
+
+def test_a_merged_unit_below_the_names_and_in_an_open_document() -> None:
+    rows = ("Zeit", "Probe 1", "Probe 2"), ("min", "mm", None), (1.0, 1.0, 4.0), (2.0, 2.0, 5.0)
+    assert metres(merged(*rows, cells="B2:C2"), "C:C") == [0.004, 0.005]
+    cell = ods_cell("Setzung [mm]", "string")
+    spanning = cell.replace("<table:table-cell", '<table:table-cell table:number-columns-spanned="2"')
+    content = open_document(
+        ods_cell("Zeit [min]", "string") + spanning + "<table:covered-table-cell/>",
+        "<table:table-cell/>" + ods_cell("Probe 1", "string") + ods_cell("Probe 2", "string"),
+        ods_cell(1.0) + ods_cell(1.0) + ods_cell(4.0),
+        ods_cell(2.0) + ods_cell(2.0) + ods_cell(5.0),
+    )
+    assert metres(content, "C:C") == [0.004, 0.005]
+
+
+def test_a_merged_name_of_a_column_stays_a_name() -> None:
+    rows = ("Zeit [min]", "Setzung [mm]", None), (1.0, 1.0, 4.0), (2.0, 2.0, 5.0)
+    assert metres(merged(*rows, cells="B1:C1")) == [0.001, 0.002]
+
+
+@pytest.mark.parametrize(
+    ("titles", "heading", "expected"),
+    [
+        ("Messwerte in mm", "Setzung", 1e-3),
+        ("Setzungen in mm", "Setzung", 1e-3),
+        ("Setzungen in 1/100 mm", "Setzung", 1e-5),
+        ("All values in mm", "settlement", 1e-3),
+        ("Setzung [mm]", "Setzung", 1e-3),
+        ("Setzungen in mm\nZeiten in min", "Setzung", 1e-3),
+        ("Einheit: mm", "Setzung", 1e-3),
+        ("Probe 1 in cm", "Setzung", ASKED),
+        ("Spannungen in kPa", "Setzung", ASKED),
+        ("Messwerte in kPa", "Setzung", ASKED),
+        ("Setzungen in mm", "Messwert", ASKED),
+        ("Setzungen in mm\nSetzungen in cm", "Setzung", "names several units"),
+        ("Setzungen in cm", "Setzung [mm]", "names several units"),
+        ("Setzungen in mm", "Setzung [Skt]", "not a known unit"),
+        ("Setzungen in mm x 0,1", "Setzung", ASKED),
+    ],
+)
+def test_a_title_line_says_the_unit_of_its_quantity(titles: str, heading: str, expected: float | str) -> None:
+    found = metres(f"{titles}\nZeit [min];{heading}\n{NUMBERS}", "B:B")
+    if isinstance(expected, str):
+        assert expected in found
+    else:
+        assert found == [round(value * expected, 12) for value in (1, 2, 3)]
+
+
+def test_a_title_counts_for_its_own_table_only() -> None:
+    content = "Setzungen in mm\nZeit [min];Setzung\n1;1\n2;2\nLast [kPa];Setzung 2\n1;4\n2;5\n"
+    assert ASKED in metres(content, "Setzung 2")
+
+
+LONG = "Zeit [min];Größe;Wert;Einheit\n1;Setzung;1;mm\n1;Last;100;kPa\n2;Setzung;2;mm\n2;Last;100;kPa\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "y", "where", "expected"),
+    [
+        ("Zeit [min];Setzung;Einheit\n1;1;mm\n2;2;mm\n", "Setzung", {}, [0.001, 0.002]),
+        ("Zeit;Einheit;Setzung;Einheit\n1;min;1;[mm]\n2;min;2;[mm]\n", "Setzung", {}, [0.001, 0.002]),
+        (LONG, "Wert", {"Größe": "Setzung"}, [0.001, 0.002]),
+        (LONG, "Wert", {}, "column 'Wert' is in mm and kPa; choose the rows of one unit"),
+        ("nr;quantity;unit;value\n1;s;mm;1\n2;s;mm;2\n", "value", {}, [0.001, 0.002]),
+        ("Zeit [min];Setzung;Unit\n1;1;mm\n2;2;cm\n", "Setzung", {}, "is in mm and cm"),
+        ("Zeit [min];Setzung;Unit\n1;1;mm\n2;2;\n", "Setzung", {}, "is in mm and none"),
+        ("Zeit [min];Setzung [cm];Einheit\n1;1;mm\n2;2;mm\n", "Setzung", {}, "names several units, cm and mm"),
+        ("Zeit [min];Höhe;Einheit;Setzung\n1;20;mm;1\n2;20;mm;2\n", "Setzung", {}, ASKED),
+        ("Zeit [min];Setzung [mm];Unit\n1;1;A\n2;2;B\n", "Setzung", {}, [0.001, 0.002]),
+    ],
+)
+def test_a_column_of_units(text: str, y: str, where: dict[str, str | float], expected: list[float] | str) -> None:
+    found = metres(text, y, where=where)
+    assert found == expected if isinstance(expected, list) else expected in found
+
+
+def test_a_first_reading_of_one_is_no_row_of_units() -> None:
+    """``1;1;%`` below the names was taken for a row of units, and its reading was lost."""
+    found = table_of(b"Nr;Dehnung;Einheit\n1;1;%\n2;1;%\n3;2;%\n", "a", Columns(x="Nr", y="Dehnung"))
+    assert found.y == [1.0, 1.0, 2.0]
+    assert found.y_heading.unit == "%"
+    columns = {one.name: one for one in read_measurements(b"Nr;Dehnung;Einheit\n1;1;%\n2;1;mm\n", "a").columns}
+    assert columns["Dehnung"].unclear == "is in % and mm"
+
+
+@pytest.mark.parametrize(
+    ("dates", "expected"),
+    [
+        (("24.11.10", "24.11.11", "24.11.13"), "'24.11.10' is a date whose day or year may be first"),
+        (("10.11.24", "11.11.24", "13.11.24"), [0.0, 1.0, 3.0]),
+        (("24.11.2010", "24.11.2011", "24.11.2012"), [0.0, 365.0, 731.0]),
+        (("03.01.2024", "03.13.2024", "03.14.2024"), "'03.13.2024' is a date whose day or month may be first"),
+    ],
+)
+def test_dates_with_points(dates: tuple[str, str, str], expected: list[float] | str) -> None:
+    content = "".join(["Datum;Setzung [mm]\n", *(f"{date};{y}\n" for y, date in enumerate(dates))]).encode()
+    if isinstance(expected, list):
+        assert table_of(content, "a", Columns(x="Datum", y="Setzung")).x == expected
+        return
+    with pytest.raises(TableError, match=expected):
+        table_of(content, "a", Columns(x="Datum", y="Setzung", incomplete="leave_out"))
+    assert read_measurements(content, "a").columns[0].doubt in dates
+    form = "year_first" if dates[0].startswith("24") else "month_first"
+    days = table_of(content, "a", Columns(x="Datum", y="Setzung", dates=form)).x
+    assert days == ([0.0, 1.0, 3.0] if form == "year_first" else [0.0, 12.0, 13.0])
+
+
+@pytest.mark.parametrize("heading", ["Setzung mm bzw. cm", "Setzung mm / cm", "Setzung mm cm"])
+def test_two_units_outside_of_brackets_are_asked_for(heading: str) -> None:
+    _, wrong = unit_of_data("y", None, "m", heading_of(heading, {}), unitless=False)
+    assert wrong is not None
+    assert "names several units" in plain(wrong)
+
+
+@pytest.mark.parametrize(("unit", "kilopascals"), [("kg/cm2", 98.0665), ("psf", 0.04788), ("kPa", 1.0), ("mPa", 1e-6)])
+def test_the_problem_takes_the_units_that_refusals_name(unit: str, kilopascals: float) -> None:
+    """``y_unit: kg/cm2``, as the refusal of a column without a unit says, was an unknown unit."""
+    section, issues = validated(ObservationSection, {"series": "q", "file": "a.csv", "y_unit": unit}, "")
+    assert section is not None, issues
+    assert section.y_unit is not None
+    assert np.isclose(float(convert(1.0, section.y_unit, "kPa")), kilopascals, rtol=1e-4)
+
+
+def test_an_abbreviated_pore_pressure() -> None:
+    assert quantities_of("Porenwass.") == ("pore_pressure",)
