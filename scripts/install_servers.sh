@@ -11,7 +11,11 @@ postgres=(/usr/lib/postgresql/*/bin/initdb)
 missing=()
 [ ${#postgres[@]} -gt 0 ] || command -v initdb >/dev/null || missing+=(postgresql)
 command -v redis-server >/dev/null || missing+=(redis-server)
-command -v chromium >/dev/null || command -v chromium-browser >/dev/null || missing+=(chromium)
+if grep -qs '^ID=debian' /etc/os-release; then
+    command -v chromium-headless-shell >/dev/null || missing+=(chromium-headless-shell)
+else
+    command -v chromium >/dev/null || command -v chromium-browser >/dev/null || missing+=(chromium)
+fi
 command -v setpriv >/dev/null || missing+=(util-linux)
 command -v debootstrap >/dev/null || [ -x /usr/sbin/debootstrap ] || missing+=(debootstrap)
 if [ "${1:-}" = --all ]; then

@@ -8,6 +8,7 @@ import signal
 from base64 import b64decode
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -26,17 +27,18 @@ os.environ.update(numerics())
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-LONGEST = (
-    "integration",
+# The folders with browsers, servers and long calculations, in the order in which they begin; the others follow.
+FIRST = (
     "dashboard",
-    "deployment",
-    "documentation",
-    "attacks",
-    "contracts",
+    "integration",
     "examples",
-    "verification",
+    "documentation",
     "workers",
     "api",
+    "deployment",
+    "verification",
+    "attacks",
+    "contracts",
 )
 
 # What starts a server, a browser or geoswarm: a fixture, a name that the module of a test imports, a parameter.
@@ -97,15 +99,19 @@ def is_fast(item: pytest.Function) -> bool:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Function]) -> None:
-    """Mark what is fast, and begin with the folders that take longest, so that these do not run last, alone.
-
-    The order within a folder stays: a browser or a service that its tests share is started once a process.
-    """
+    """Mark what is fast, and begin with the folders that take longest, so that these do not run last, alone."""
     for item in items:
         if is_fast(item):
             item.add_marker("fast")
-    first = {name: number for number, name in enumerate(LONGEST)}
+    first = {name: number for number, name in enumerate(FIRST)}
     items.sort(key=lambda item: first.get(item.nodeid.split("/")[1], len(first)) if "/" in item.nodeid else -1)
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Keep the files of a folder in one process where the others have something else to do."""
+    from tests.scheduling import FolderScheduling
+
+    return FolderScheduling(config, log)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -26,6 +26,7 @@ from playwright.sync_api import (
 
 __all__ = ["Guard", "KeptPages", "check_accessibility", "chromium", "guarded_context"]
 
+PROGRAMS = ("chromium-headless-shell", "chromium", "chromium-browser")
 ARGUMENTS = ["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--force-color-profile=srgb"]
 WAITED_OUT = "net::ERR_ABORTED"  # a stream or request that ended because the page went elsewhere
 
@@ -101,9 +102,9 @@ class Guard:
 
 @contextmanager
 def chromium() -> Iterator[Browser]:
-    """The system's Chromium; nothing is downloaded."""
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    assert program is not None, "the tests of the dashboard need Debian's package chromium"
+    """The system's Chromium, without windows where that is installed: it takes a quarter less processor time."""
+    program = next(filter(None, map(shutil.which, PROGRAMS)), None)
+    assert program is not None, "the tests of the dashboard need Debian's package chromium-headless-shell or chromium"
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
         try:
