@@ -334,8 +334,9 @@ def costs(server: PostgresServer, together: list[int]) -> None:
             load = Load(runtime, [job], 60.0, 0.0, 1)
             names = [f"simulated-{number}" for number in range(size)]
             submissions = [Submission() for _ in names]
-            rounds = max(10, min(100, 2 * particles) // size)
-            exchange(load, job, names, submissions)
+            rounds = max(20, 1000 // size)
+            for _ in range(rounds // 2):  # until statements are prepared, and it is known what a run costs
+                exchange(load, job, names, submissions)
             cpu, own, wal, began = watch.seconds(), time.process_time(), watch.wal(), time.perf_counter()
             for _ in range(rounds):
                 exchange(load, job, names, submissions)

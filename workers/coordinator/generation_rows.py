@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from sqlalchemy import (
     ColumnElement,
     Connection,
     Integer,
-    Select,
     and_,
     bindparam,
     delete,
@@ -27,7 +27,8 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.states.evaluation import EvaluationStatus
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_array
-from geoswarm.workers.store.database import Record, change
+from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.statements import Statement, change, enter
 from geoswarm.workers.store.tables import attempts, evaluations
 
 __all__ = ["Cell", "GenerationRows", "load_generation", "reuse", "write_new"]
@@ -35,9 +36,7 @@ __all__ = ["Cell", "GenerationRows", "load_generation", "reuse", "write_new"]
 WORTH_COPYING = 50  # rows
 KEY = ("job_id", "generation", "particle")
 
-COLUMNS = [column.name for column in evaluations.columns]
 CELL_COLUMNS = ("state", "attempts", "worker", "parameters", "duplicates", "lease_expires_at", "started_at")
-# Asked for in every exchange: built once, as building takes as long as the database's answer.
 HERE = (evaluations.c.job_id == bindparam("job_id"), evaluations.c.generation == bindparam("generation"))
 PENDING = text("evaluations.state = 'pending'")
 RUNNING = text("evaluations.state = 'running'")
@@ -66,27 +65,17 @@ CONCERNED = or_(
     and_(RUNNING, or_(evaluations.c.worker == bindparam("worker"), bindparam("everybody", type_=Integer) == 1)),
     and_(PENDING, evaluations.c.particle <= func.coalesce(LAST_OF_MOST, evaluations.c.particle)),
 )
-OPEN = (
+OPEN = Statement(
     select(COUNTED, *CELLS.selected_columns)
     .select_from(COUNTED.outerjoin(evaluations, and_(*HERE, CONCERNED)))
     .order_by(evaluations.c.particle)
 )
-FURTHER = (
+FURTHER = Statement(
     CELLS.where(PENDING, evaluations.c.particle > bindparam("after"))
     .order_by(evaluations.c.particle)
     .limit(bindparam("most"))
 )
-UNDER_WAY = CELLS.where(RUNNING).order_by(evaluations.c.particle)
-EARLIER = (
-    select(evaluations, database_now().label("now"))
-    .where(
-        evaluations.c.job_id == bindparam("job_id"),
-        evaluations.c.generation < bindparam("generation"),
-        evaluations.c.state.in_(DONE_STATES),
-        evaluations.c.parameters.in_(bindparam("wanted", expanding=True)),
-    )
-    .order_by(evaluations.c.generation, evaluations.c.particle)
-)
+UNDER_WAY = Statement(CELLS.where(RUNNING).order_by(evaluations.c.particle))
 _TIMES = {"lease_expires_at", "started_at", "finished_at", "seconds"}
 _OF_ITS_RUN = {"state", "parameters", "attempts", "duplicates", "worker"} | _TIMES
 _RESULT = [c.name for c in evaluations.c if not c.primary_key and c.name not in _OF_ITS_RUN]
@@ -198,10 +187,10 @@ class GenerationRows:
         found = [cell for cell in self.cells.values() if cell.status.state == "running"]
         return sorted(found, key=lambda cell: cell.particle)
 
-    def _read(self, statement: Select[Any], given: Mapping[str, Any]) -> list[Cell]:
+    def _read(self, statement: Statement, given: Mapping[str, Any]) -> list[Cell]:
         if self._connection is None:
             return []
-        return [self._take(row) for row in self._connection.execute(statement, given)]
+        return [self._take(row) for row in statement.rows(self._connection, given)]
 
     def _take(self, row: Sequence[Any]) -> Cell:
         """Keep a particle as it was read, unless it is here: it may have changed."""
@@ -213,7 +202,7 @@ class GenerationRows:
     @classmethod
     def open(cls, connection: Connection, given: Mapping[str, Any]) -> GenerationRows:
         """Read what :data:`OPEN` selects."""
-        rows = connection.execute(OPEN, given).all()
+        rows = OPEN.rows(connection, given)
         size, pending, undone = rows[0][:3]
         made = cls(given["job_id"], given["generation"], size, pending, undone, connection)
         for row in rows:
@@ -288,8 +277,8 @@ class GenerationRows:
                 alike.setdefault(tuple(cell.changes), []).append(cell)
         for names, cells in alike.items():
             here = {"of_job_id": self.job_id, "of_generation": self.generation}
-            connection.execute(
-                change(evaluations, KEY, names),
+            change(evaluations, KEY, names).write(
+                connection,
                 [
                     here | {"of_particle": cell.particle} | {f"to_{name}": cell.changes[name] for name in names}
                     for cell in cells
@@ -298,23 +287,26 @@ class GenerationRows:
             for cell in cells:
                 cell.changes = {}
 
-    def _rows(self) -> list[dict[str, Any]]:
-        key = {"job_id": self.job_id, "generation": self.generation, "state": "pending", "attempts": 0}
-        empty = dict.fromkeys(COLUMNS) | key
-        return [empty | {"particle": c.particle, "parameters": c.parameters} | c.changes for c in self.cells.values()]
-
 
 def write_new(connection: Connection, generations: Sequence[GenerationRows]) -> None:
     """Insert the rows of generations that were dispatched in this transaction, all at once."""
-    rows = [row for generation_rows in generations for row in generation_rows._rows()]
+    cells = [cell for generation_rows in generations for cell in generation_rows.cells.values()]
+    empty = dict.fromkeys(name for cell in cells for name in cell.changes) | {"state": "pending", "attempts": 0}
+    rows = [
+        empty
+        | {"job_id": cell.rows.job_id, "generation": cell.rows.generation}
+        | {"particle": cell.particle, "parameters": cell.parameters}
+        | cell.changes
+        for cell in cells
+    ]
     if len(rows) >= WORTH_COPYING and connection.dialect.name == "postgresql":
         _copy(connection, rows)
     elif rows:
-        connection.execute(insert(evaluations), rows)
+        enter(evaluations, tuple(rows[0])).write(connection, rows)
     for generation_rows in generations:
         generation_rows._new = False
-        for cell in generation_rows.cells.values():
-            cell.changes = {}
+    for cell in cells:
+        cell.changes = {}
 
 
 def _copy(connection: Connection, rows: Sequence[dict[str, Any]]) -> None:
@@ -350,17 +342,34 @@ def load_generation(
     return GenerationRows.open(connection, given)
 
 
+@lru_cache(maxsize=16)
+def _earlier(count: int) -> Statement:
+    """Return what selects earlier results of so many parameters."""
+    shown = (evaluations.c[name] for name in ("parameters", "state", "worker", *_RESULT))
+    return Statement(
+        select(*shown, database_now().label("now"))
+        .where(
+            evaluations.c.job_id == bindparam("job_id"),
+            evaluations.c.generation < bindparam("generation"),
+            or_(*(evaluations.c.state == state for state in DONE_STATES)),
+            evaluations.c.parameters.in_([bindparam(f"wanted_{number}") for number in range(count)]),
+        )
+        .order_by(evaluations.c.generation, evaluations.c.particle)
+    )
+
+
 def reuse(connection: Connection, generation_rows: GenerationRows) -> None:
     """Give cells of a new generation the counted results that the same parameters had earlier in the job."""
     pending = {cell.parameters for cell in generation_rows.cells.values() if not cell.status.done}
-    given = {"job_id": generation_rows.job_id, "generation": generation_rows.generation, "wanted": list(pending)}
+    given = {"job_id": generation_rows.job_id, "generation": generation_rows.generation}
+    given |= {f"wanted_{number}": parameters for number, parameters in enumerate(pending)}
     earlier: dict[bytes, Record] = {}
-    for row in connection.execute(EARLIER, given):
+    for row in _earlier(len(pending)).rows(connection, given):
         earlier.setdefault(row.parameters, row)
     for cell in generation_rows.cells.values():
         if cell.parameters in earlier and not cell.status.done:
             row = earlier[cell.parameters]
-            columns = {name: row._mapping[name] for name in _RESULT}
+            columns = {name: getattr(row, name) for name in _RESULT}
             cell.set(
                 EvaluationStatus(row.state, 1, row.worker),
                 **columns,

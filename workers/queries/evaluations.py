@@ -11,6 +11,7 @@ from sqlalchemy import (
     delete,
     exists,
     func,
+    or_,
     select,
     text,
     tuple_,
@@ -22,6 +23,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import unpack_array, unpack_responses
 from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.statements import Statement
 from geoswarm.workers.store.tables import attempts, evaluations, jobs
 
 __all__ = [
@@ -38,12 +40,12 @@ __all__ = [
 ]
 
 ROWS_AT_ONCE = 200  # keys in one statement
-RESULTS = (
+RESULTS = Statement(
     select(evaluations.c.objective, evaluations.c.reason, evaluations.c.message, evaluations.c.seconds)
     .where(
         evaluations.c.job_id == bindparam("job_id"),
         evaluations.c.generation == bindparam("generation"),
-        evaluations.c.state.in_(DONE_STATES),
+        or_(*(evaluations.c.state == state for state in DONE_STATES)),
     )
     .order_by(evaluations.c.particle)
     .limit(bindparam("most"))
@@ -52,7 +54,7 @@ RESULTS = (
 
 def list_results(connection: Connection, job_id: str, generation: int, most: int = 2**31) -> Sequence[Record]:
     """Return objective, reason, message and seconds of the first counted results of a generation, in order."""
-    return connection.execute(RESULTS, {"job_id": job_id, "generation": generation, "most": most}).all()
+    return RESULTS.rows(connection, {"job_id": job_id, "generation": generation, "most": most})
 
 
 def drop_generation(connection: Connection, job_id: str, generation: int) -> None:

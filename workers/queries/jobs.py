@@ -10,14 +10,12 @@ from typing import Any
 from sqlalchemy import (
     ColumnElement,
     Connection,
-    Select,
     and_,
     bindparam,
     case,
     delete,
     exists,
     func,
-    insert,
     or_,
     select,
     update,
@@ -42,9 +40,10 @@ from geoswarm.workers.states.job import (
 )
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.codec import pack_json, text_of_program, unpack_json
-from geoswarm.workers.store.database import Record, change
+from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.event_listener import insert_events
 from geoswarm.workers.store.outbox import insert_deliveries
+from geoswarm.workers.store.statements import Statement, change, enter
 from geoswarm.workers.store.tables import evaluations, events, generations, jobs, turns
 
 __all__ = [
@@ -78,13 +77,12 @@ LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).s
 VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), LAST_EVENT]
 
 
-def _locked(*columns: Any) -> Select[Any]:
+def _locked(*columns: Any) -> Statement:
     """Lock the row, and read the clock when that is done: a statement may wait long for the lock."""
     row = select(*columns).where(jobs.c.id == bindparam("job_id")).with_for_update().subquery()
-    return select(*row.c, database_now().label("now"))
+    return Statement(select(*row.c, database_now().label("now")))
 
 
-# Asked for in every exchange: built once, as building takes as long as the database's answer.
 LOCK = _locked(*COLUMNS)
 # What most exchanges need: the search of a thousand particles is some hundred kilobytes of text, and columns cost time.
 LOCK_BRIEFLY = _locked(
@@ -93,7 +91,7 @@ LOCK_BRIEFLY = _locked(
     case((jobs.c.progress.is_(None), None), else_="").label("progress"),
 )
 MACHINE = [jobs.c[name] for name in ("state", "progress", "generations", "failures", "stop_reasons", "error")]
-STATE_OF_MACHINE = select(*MACHINE).where(jobs.c.id == bindparam("job_id"))
+STATE_OF_MACHINE = Statement(select(*MACHINE).where(jobs.c.id == bindparam("job_id")))
 CURRENT_GENERATION = select(jobs.c.generation).where(jobs.c.id == bindparam("job_id"), jobs.c.state == "running")
 
 
@@ -115,7 +113,7 @@ class LockedJob:
 
     def job(self) -> JobStatus:
         """Return what the state machine knows of it."""
-        row = self.row if self.brief is None else self.brief.execute(STATE_OF_MACHINE, {"job_id": self.id}).one()
+        row = self.row if self.brief is None else STATE_OF_MACHINE.rows(self.brief, {"job_id": self.id})[0]
         failures = unpack_json(row.failures)
         return JobStatus(
             state=row.state,
@@ -142,8 +140,8 @@ def lock_job(connection: Connection, job_id: str, *, briefly: bool = False) -> L
     ``briefly``: without what the search knows, of which the row tells only whether it is there; :meth:`LockedJob.job`
     reads it.
     """
-    row = connection.execute(LOCK_BRIEFLY if briefly else LOCK, {"job_id": job_id}).one_or_none()
-    return None if row is None else LockedJob(row, row.now, connection if briefly else None)
+    found = (LOCK_BRIEFLY if briefly else LOCK).rows(connection, {"job_id": job_id})
+    return LockedJob(found[0], found[0].now, connection if briefly else None) if found else None
 
 
 def save_job(
@@ -228,8 +226,7 @@ def save_job(
     # Compare and set: the lock makes it certain, the condition proves it.
     given = {f"to_{name}": value for name, value in values.items()}
     given |= {"of_id": locked.id, "of_generation": before.generation, "of_state": before.state}
-    changed = connection.execute(change(jobs, ("id", "generation", "state"), tuple(values)), given)
-    if changed.rowcount != 1:
+    if change(jobs, ("id", "generation", "state"), tuple(values)).write(connection, [given]) != 1:
         raise RuntimeError(f"job {locked.id} changed while its row was locked")
     if ended:
         insert_deliveries(connection, locked.id, before.owner, after.state, locked.now)
@@ -249,8 +246,8 @@ def _insert_generations(
     if not records:
         return
     begun = [locked.row.dispatched_at, *times[:-1]]
-    connection.execute(
-        insert(generations),
+    enter(generations, tuple(column.name for column in generations.columns)).write(
+        connection,
         [
             {
                 "job_id": locked.id,

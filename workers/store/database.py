@@ -6,11 +6,10 @@ import logging
 import sqlite3
 import time
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from sqlalchemy import Connection, Engine, Table, Update, bindparam, create_engine, event, func, select, update
+from sqlalchemy import Connection, Engine, create_engine, event, func, select
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
@@ -20,7 +19,7 @@ from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.file import DatabaseFile, FileIdentity, database_path
 from geoswarm.workers.store.migrate import upgrade
 
-__all__ = ["Record", "Store", "change"]
+__all__ = ["Record", "Store"]
 
 log = logging.getLogger(__name__)
 
@@ -33,13 +32,6 @@ RETRIES = 3  # deadlock or serialisation failure: the same function simply runs 
 JOURNAL_BYTES = 16 * 2**20
 SIZE_SECONDS = 5.0  # PostgreSQL looks at every file of the database to tell its size
 RETRY_STATES = ("40001", "40P01")
-
-
-@cache
-def change(table: Table, key: tuple[str, ...], names: tuple[str, ...]) -> Update:
-    """Return the statement that sets columns to ``to_NAME`` where those of the key are ``of_NAME``; built once."""
-    here = (table.c[name] == bindparam(f"of_{name}") for name in key)
-    return update(table).where(*here).values({name: bindparam(f"to_{name}") for name in names})
 
 
 class Store:
@@ -65,6 +57,7 @@ class Store:
             self._file.check()
             self._file.make()
         self.engine = _create_engine(settings)
+        self._writer = self.engine.execution_options(write=True)
         # PostgreSQL gives each statement its own view anyway (read committed): reading needs no transaction around it.
         alone = self.engine.dialect.name == "postgresql"
         self._reader = self.engine.execution_options(isolation_level="AUTOCOMMIT") if alone else self.engine
@@ -180,10 +173,8 @@ class Store:
             if self._file is not None:
                 self._file.check()
             try:
-                with (self.engine if write else self._reader).connect() as connection:
-                    connection.execution_options(write=write)
-                    with connection.begin():
-                        return function(connection)
+                with (self._writer if write else self._reader).begin() as connection:
+                    return function(connection)
             except DBAPIError as error:
                 if attempt == RETRIES or not _worth_retrying(error, attempt):
                     raise self._unavailable(error) from error

@@ -7,10 +7,11 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from sqlalchemy import Connection, func, insert
+from sqlalchemy import Connection, bindparam, func, insert
 from sqlalchemy.exc import SQLAlchemyError
 
 from geoswarm.workers.store.database import Store
+from geoswarm.workers.store.statements import Statement
 from geoswarm.workers.store.tables import events
 
 __all__ = ["EventListener", "insert_events"]
@@ -20,13 +21,14 @@ log = logging.getLogger(__name__)
 CHANNEL = "geoswarm_events"
 LOOK_SECONDS = 0.5  # how soon the thread notices that it is to end
 AGAIN_SECONDS = 2.0
-EVENTS = insert(events)
-ANNOUNCED = EVENTS.returning(func.pg_notify(CHANNEL, ""))
+EVENT: dict[str, Any] = {name: bindparam(name) for name in ("job_id", "kind", "data", "created_at")}
+INSERTED = Statement(insert(events).values(EVENT).inline())
+ANNOUNCED = Statement(insert(events).values(EVENT).returning(func.pg_notify(CHANNEL, "")))
 
 
 def insert_events(connection: Connection, rows: list[dict[str, Any]]) -> None:
     """Write events. PostgreSQL notifies all listeners on commit, in the same statement."""
-    connection.execute(ANNOUNCED if connection.dialect.name == "postgresql" else EVENTS, rows)
+    (ANNOUNCED if connection.dialect.name == "postgresql" else INSERTED).write(connection, rows)
 
 
 class EventListener:

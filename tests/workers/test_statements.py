@@ -1,0 +1,82 @@
+"""Statements that the driver gets directly answer and fail as with SQLAlchemy, and an exchange makes few of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from sqlalchemy import Connection, event, func, select
+
+from geoswarm.workers.errors import StoreUnavailableError
+from geoswarm.workers.service.job_service import JobService
+from geoswarm.workers.settings import Settings
+from geoswarm.workers.store import Store
+from geoswarm.workers.store.statements import Statement, change, enter
+from geoswarm.workers.store.tables import evaluations, events, generations, jobs, turns
+from tests.workers.hand import PROBLEM, Hand, runtime_for
+
+COUNT = Statement(select(func.count().label("count")).select_from(turns))
+
+
+@pytest.fixture
+def hand(store: Store, settings: Settings, service: JobService) -> Hand:
+    """A worker that runs one evaluation at a time, in generation 1."""
+    runtime = runtime_for(store, settings, single_seconds=0.0, cheap_seconds=0.0)
+    found = Hand(runtime, service.submit(PROBLEM)[0].id, "w1")
+    found.take()
+    while found.claim is not None and found.claim.generation == 0:
+        found.submit()
+    return found
+
+
+@pytest.mark.usefixtures("hand")
+def test_rows_are_those_of_sqlalchemy(store: Store) -> None:
+    for table in (evaluations, events, generations, jobs):
+        statement = select(table).order_by(*table.primary_key.columns)
+        own = store.read(lambda c, statement=statement: Statement(statement).rows(c, {}))
+        others = store.read(lambda c, statement=statement: c.execute(statement).all())
+        assert own
+        assert [row._asdict() for row in own] == [row._asdict() for row in others]
+        assert [[type(value) for value in row] for row in own] == [[type(value) for value in row] for row in others]
+
+
+def test_what_is_written_is_counted(store: Store) -> None:
+    served = change(turns, ("line",), ("served_at",))
+
+    def write(connection: Connection) -> list[int]:
+        entered = enter(turns, ("line", "served_at")).write(
+            connection, [{"line": line, "served_at": None} for line in "abc"]
+        )
+        values = [{"of_line": line, "to_served_at": 1.5} for line in ("a", "b", "nobody")]
+        return [entered, served.write(connection, values), served.write(connection, values[-1:])]
+
+    assert store.write(write) == [3, 2, 0]
+    rows = store.read(lambda c: c.execute(select(turns.c.line, turns.c.served_at).order_by(turns.c.line)).all())
+    assert rows == [("a", 1.5), ("b", 1.5), ("c", None)]
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_what_the_database_refuses_is_undone_and_said(store: Store, count: int) -> None:
+    def write(connection: Connection) -> None:
+        enter(turns, ("line",)).write(connection, [{"line": "a"}])
+        enter(turns, ("line",)).write(connection, [{"line": "a"}] * count)
+
+    with pytest.raises(StoreUnavailableError, match=r"(?i)unique"):
+        store.write(write)
+    assert store.read(lambda c: COUNT.rows(c, {})[0].count) == 0
+
+
+def test_an_exchange_makes_four_statements(store: Store, hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lock the job, read what the exchange concerns, write the result, write the claim."""
+    made: list[object] = []
+    execute = Statement._execute
+
+    def note(statement: Statement, *given: Any) -> Any:
+        made.append(statement)
+        return execute(statement, *given)
+
+    monkeypatch.setattr(Statement, "_execute", note)
+    event.listen(store.engine, "before_cursor_execute", lambda _c, _k, said, *_: made.append(said))
+    given = (hand.job_id, hand.name, hand.course, hand.results())
+    assert hand.runtime.exchange(*given, live_workers=2, want=True).claim is not None
+    assert len([one for one in made if not str(one).startswith("BEGIN")]) == 4

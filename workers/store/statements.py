@@ -1,0 +1,89 @@
+"""Statements that each exchange executes: built and compiled once, and given to the driver as they are.
+
+SQLAlchemy takes as long to look up a compiled statement and to describe its columns as the database takes to answer.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from sqlalchemy import Connection, Insert, Select, Table, Update, bindparam, insert, update
+from sqlalchemy.exc import DBAPIError
+
+__all__ = ["Statement", "change", "enter"]
+
+
+class Statement:
+    """A statement for SQLite and PostgreSQL, on columns whose values their drivers take and return as they are.
+
+    Events of SQLAlchemy's engine do not report it.
+    """
+
+    def __init__(self, statement: Select[Any] | Insert | Update) -> None:
+        self._statement = statement
+        names = [column.name for column in statement.selected_columns] if isinstance(statement, Select) else []
+        self._make = namedtuple("Row", names)._make  # type: ignore[attr-defined]  # names that are known only now
+        self._compiled: dict[str, tuple[str, dict[str, Any], Sequence[str] | None]] = {}
+
+    def rows(self, connection: Connection, given: Mapping[str, Any]) -> list[Any]:
+        """Return what it selects.
+
+        Raises
+        ------
+        sqlalchemy.exc.DBAPIError
+        """
+        return list(map(self._make, self._execute(connection, [given], lambda cursor: cursor.fetchall())))
+
+    def write(self, connection: Connection, given: Sequence[Mapping[str, Any]]) -> int:
+        """Execute it with each of these values; return the number of rows that it wrote.
+
+        Raises
+        ------
+        sqlalchemy.exc.DBAPIError
+        """
+        return int(self._execute(connection, given, lambda cursor: cursor.rowcount))
+
+    def _execute(self, connection: Connection, given: Sequence[Mapping[str, Any]], answer: Any) -> Any:
+        dialect = connection.dialect
+        text, fixed, order = self._compiled.get(dialect.name) or self._compile(dialect)
+        values: list[Any] = [{**fixed, **one} for one in given]
+        if order is not None:
+            values = [[one[name] for name in order] for one in values]
+        driver = connection.connection
+        cursor = driver.cursor()
+        try:
+            if len(values) == 1:
+                cursor.execute(text, values[0])
+            else:
+                cursor.executemany(text, values)
+            return answer(cursor)
+        except dialect.loaded_dbapi.Error as error:  # what SQLAlchemy makes of it
+            dead = dialect.is_disconnect(error, driver, cursor)
+            if dead:
+                connection.invalidate(error)
+            kind = dialect.loaded_dbapi.Error
+            raise DBAPIError.instance(text, values, error, kind, connection_invalidated=dead) from error
+        finally:
+            cursor.close()
+
+    def _compile(self, dialect: Any) -> tuple[str, dict[str, Any], Sequence[str] | None]:
+        compiled = self._statement.compile(dialect=dialect)
+        fixed = {name: value for name, value in compiled.params.items() if value is not None}
+        made = (str(compiled), fixed, compiled.positiontup if compiled.positional else None)
+        return self._compiled.setdefault(dialect.name, made)
+
+
+@cache
+def change(table: Table, key: tuple[str, ...], names: tuple[str, ...]) -> Statement:
+    """Return the statement that sets columns to ``to_NAME`` where those of the key are ``of_NAME``; built once."""
+    here = (table.c[name] == bindparam(f"of_{name}") for name in key)
+    return Statement(update(table).where(*here).values({name: bindparam(f"to_{name}") for name in names}))
+
+
+@cache
+def enter(table: Table, names: tuple[str, ...]) -> Statement:
+    """Return the statement that inserts rows of these columns; built once."""
+    return Statement(insert(table).values({name: bindparam(name) for name in names}).inline())
