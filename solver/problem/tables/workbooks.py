@@ -192,9 +192,11 @@ class _Workbook:
                     break
                 cells += [""] * (column - len(cells))
                 cells.append(self._value(cell, texts, styles, since_1904))
-            for first, last in merged.get(line, ()):
-                text = cells[first] if first < len(cells) else ""
+            end = -1
+            for first, last in sorted(merged.get(line, ())):
+                text = cells[first] if end < first < len(cells) else ""  # those that overlap are none
                 if isinstance(text, str) and text:
+                    end = last
                     cells += [""] * (last + 1 - len(cells))
                     cells[first + 1 : last + 1] = [cell or Covered(text) for cell in cells[first + 1 : last + 1]]
             left -= len(cells)

@@ -37,7 +37,8 @@ def metres(content: bytes | str, y: str = "Setzung", **keys: Any) -> list[float]
 
 
 def merged(*rows: tuple[Any, ...], cells: str) -> bytes:
-    end = f'</sheetData><mergeCells><mergeCell ref="{cells}"/></mergeCells><sheetData>'
+    ranges = "".join(f'<mergeCell ref="{one}"/>' for one in cells.split())
+    end = f"</sheetData><mergeCells>{ranges}</mergeCells><sheetData>"
     return workbook(("s", sheet_rows(*rows) + end))
 
 
@@ -55,6 +56,7 @@ def test_a_merged_heading_has_the_unit_of_all_columns_that_it_spans() -> None:
     assert metres(content, "C:C") == [0.004, 0.005]
     assert "names several units, cm and mm" in metres(content, "D:D")
     assert ASKED in metres(merged(*STAGES, cells="A1:B1"), "C:C")
+    assert ASKED in metres(merged(*STAGES, cells="A1:B1 B1:C1"), "C:C")  # none overlap in a sheet
     units = [column.unit for column in read_measurements(content, "a").columns]
     assert units == ["min", "mm", "mm", None]
 
