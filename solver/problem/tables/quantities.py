@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["quantities_of"]
+__all__ = ["factor_in", "quantities_of"]
 
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
@@ -81,3 +81,27 @@ def quantities_of(label: str) -> tuple[str, ...]:
     """
     plain = " ".join(_WORD_BEGINS.sub(" ", label.replace("_", " ")).split())[:_LONGEST].casefold()
     return next((meant for pattern, meant in _KNOWN if pattern.search(plain)), ())
+
+
+_FACTOR = r"(?:10\s?(?:\^|\*\*)?\s?[-−]\s?\d|1\s?[/:]\s?10+|\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|[.,]\d+)"
+_SCALED_LINE = re.compile(
+    r"(?:(?<![^\W\d_])(?<!safety )(?<!shape )(?<!form )(?<!gauge )(?<!time )(?:(?:umrechnungs|skalierungs|mess(?:wert)?"
+    r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling)[- ]?)?fa[ck]tor(?:s|en)?(?![^\W\d_])(?! of safety)"
+    r"|(?<![^\W\d_])(?:skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
+    rf"\D{{0,40}}?({_FACTOR})(?![\d.,])"
+    rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"
+    rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+in\s+(1\s?/\s?10+|0?[.,]0*1)\s*\W?$",
+    re.IGNORECASE,
+)
+"""A line that scales the numbers of a table: ``Faktor: 0,01``, ``multiply by 0.01``, ``Werte x 0,01``."""
+
+
+def factor_in(line: str) -> str | None:
+    """The factor that a line outside a table names; None for none, and for 1.
+
+    >>> factor_in("Skalierung (Setzung): 1/100"), factor_in("scale factor 1.0")
+    ('1/100', None)
+    """
+    found = _SCALED_LINE.search(line)
+    factor = None if found is None else next(filter(None, found.groups()))
+    return None if factor is None or re.fullmatch(r"0*1(?:[.,]0*)?", factor) else factor
