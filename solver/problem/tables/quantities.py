@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["factor_in", "quantities_of"]
+__all__ = ["factor_in", "is_heave", "quantities_of"]
 
+_HEAVE = (
+    r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
+    r"|hebung|verformung|ma(?:ß|ss))|schwell(?:ung|dehnung|hebung)"
+    r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index)))"
+    r"(?![^\W\d_])(?!\s*\(?[=:]?\s*(?:[-−–]\s*(?:\)|$)|neg))"  # "Setzung, Hebung (-)" is a settlement
+)
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
         r"probe(n?(nummer|bezeichnung|nr))?\b|prüfkörper|versuch(s?nummer)?\b|bohrung|borehole"
@@ -16,6 +22,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"uhrzeit|time of day|\bclock", ("clock",)),
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
+    (_HEAVE, ("heave",)),
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
     (r"überdruck|ueberdruck|excess pore|excess pwp", ("excess_pore_pressure", "pore_pressure")),
     (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
@@ -67,6 +74,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
 """Patterns of headings and what they mean, the likeliest first; the first pattern that is found counts."""
 
 _KNOWN = tuple((re.compile(pattern), meant) for pattern, meant in _RULES)
+_RISES = re.compile(_HEAVE)
 _WORD_BEGINS = re.compile("(?<=[a-z])(?=[A-Z])")  # in ShearStrain
 _LONGEST = 200
 
@@ -79,8 +87,17 @@ def quantities_of(label: str) -> tuple[str, ...]:
     >>> quantities_of("Zeit seit Laststufe")
     ('stage',)
     """
-    plain = " ".join(_WORD_BEGINS.sub(" ", label.replace("_", " ")).split())[:_LONGEST].casefold()
+    plain = _plain(label)
     return next((meant for pattern, meant in _KNOWN if pattern.search(plain)), ())
+
+
+def is_heave(label: str) -> bool:
+    """Whether a heading is that of a movement upwards, which as a settlement has the other sign."""
+    return _RISES.search(_plain(label)) is not None
+
+
+def _plain(label: str) -> str:
+    return " ".join(_WORD_BEGINS.sub(" ", label.replace("_", " ")).split())[:_LONGEST].casefold()
 
 
 _FACTOR = r"(?:10\s?(?:\^|\*\*)?\s?[-−]\s?\d|1\s?[/:]\s?10+|\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|[.,]\d+)"
