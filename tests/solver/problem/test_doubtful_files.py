@@ -376,7 +376,7 @@ def test_words_beside_a_unit_are_no_factors(heading: str, base: str, factor: flo
         ("Sohlhebung [mm]", True),
         ("Swell [mm]", True),
         ("Setzung/Hebung [mm]", True),
-        ("Setzung, Hebung negativ [mm]", False),
+        ("Setzung, Hebung neg. [mm]", False),
         ("Settlement (+) / heave (-) [mm]", False),
         ("Setzung [mm]", False),
         ("Erhebung der Setzung [mm]", False),
