@@ -12,7 +12,7 @@ from geoswarm.solver.problem.issues import validated
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import Columns, table_of
-from geoswarm.solver.problem.tables.headings import heading_of
+from geoswarm.solver.problem.tables.headings import heading_of, unclear_unit
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.sentences import plain
 from geoswarm.solver.units import convert
@@ -236,3 +236,35 @@ def test_a_factor_alone_or_in_the_cell_behind_its_name_is_asked_for() -> None:
 def test_a_unit_that_is_given_settles_a_factor_beside_the_table() -> None:
     table = table_of(f"Faktor: 0,01\nZeit [min];Setzung [mm]\n{NUMBERS}".encode(), "a", Columns(x="A:A", y="B:B"))
     assert unit_of_data("y", "0.01 mm", "m", table.y_heading, unitless=False) == ("0.01 mm", None)
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        *(
+            "p0+10 [kPa]",
+            "p0 + 10 [kPa]",
+            "σ1+σ3 [kPa]",
+            "sigma_1+sigma_3 [kPa]",
+            "σ·A [kPa]",
+            "100-ε [%]",
+            "100 - eps [%]",
+        ),
+        *("u kPa abs", "abs. pressure [kPa]", "u absolute [kPa]", "u bar abs"),
+        *("Strain % of full scale", "Strain % FS", "Strain [%] FS"),
+    ],
+)
+def test_sums_absolute_pressures_and_shares_of_full_scale_are_asked_for(heading: str) -> None:
+    assert "has a factor or a function" in (unclear_unit(heading_of(heading, {}).named) or "")
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        *("σ1-σ3 [kPa]", "σ1 - σ3 [kPa]", "sigma_1-sigma_3 [kPa]", "u-u0 [kPa]", "Δh [mm]", "in-situ stress [kPa]"),
+        *("p' = (σ1+σ2+σ3)/3 [kPa]", "Zeit-Setzung [mm]", "OE-2 Setzung [mm]", "Probe 1-A [mm]", "Absenkung [mm]"),
+        *("fs [kPa]", "absolute Setzung [mm]", "Stufe 1 - Setzung [mm]", "c+ [kPa]"),
+    ],
+)
+def test_differences_names_and_words_keep_their_unit(heading: str) -> None:
+    assert unclear_unit(heading_of(heading, {}).named) is None
