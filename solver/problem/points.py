@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -26,9 +27,10 @@ from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
+from geoswarm.solver.problem.tables.quantities import is_heave
 from geoswarm.solver.problem.tables.reading import TableError
 from geoswarm.solver.problem.text.reading import read_document
-from geoswarm.solver.sentences import Key, relative
+from geoswarm.solver.sentences import Key, Sentence, relative, setting
 from geoswarm.solver.units import UnitError, convert
 
 __all__ = [
@@ -40,6 +42,8 @@ __all__ = [
     "read_points",
     "units_found",
 ]
+
+_DOWNWARDS = re.compile(r"settle|(?<!radial_)(?:displacement|strain)|setzung|verschiebung|verformung|dehnung")
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,6 +212,8 @@ def points_of_file(
     table, done, issues = _table(section, path, content, name, spec)
     if table is None:
         return None, issues
+    if (sign := _sign_issue(section, table.y_heading)) is not None:
+        return None, [Issue.about(f"{path}.y_column", sign, f"{path}.")]
     table, wrong = by_stage(table, section.series, section.x_unit, spec)
     if wrong is not None:
         return None, [Issue(f"{path}.x_column", wrong)]
@@ -224,6 +230,16 @@ def points_of_file(
     )
     issues = _weight_issues(points, f"{path}.file")
     return (points, issues) if issues else _prepared(points, section, path, spec)
+
+
+def _sign_issue(section: ObservationSection, heading: Heading) -> Sentence | None:
+    """Whether a heave is read as a settlement or a strain, which has the other sign, and nobody said so."""
+    if "y_factor" in section.model_fields_set or not is_heave(heading.name):
+        return None
+    if _DOWNWARDS.search(section.series) is None:
+        return None
+    told = f"column '{heading.name}' is a heave, which {section.series} has with the other sign; give "
+    return told, setting("y_factor", "-1"), ", or 1 where the numbers of the column have the sign of the series"
 
 
 def _table(

@@ -40,8 +40,11 @@ def unit_of_data(
         return given, None
     possible = [one for one in heading.named if one.unit is None or _factor(one.unit, base) is not None]
     unclear, best = unclear_unit(possible), best_unit(possible)
+    if best is not None and unclear is None:
+        return best.unit, None
     if best is not None:
-        return (best.unit, None) if unclear is None else (None, (f"{column} {unclear}; ", key, " says which holds"))
+        product = (", ", setting(f"{axis}_factor"), " multiplies") if any(one.alters for one in possible) else ()
+        return None, (f"{column} {unclear}; ", key, " says which holds", *product)
     if unitless and same_unit(base, "1"):
         return None, None
     other = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"

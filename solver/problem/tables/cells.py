@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Iterable, Sequence
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 from typing import TypeAlias
 
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
-from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
+from geoswarm.solver.problem.tables.headings import Heading, Named, known_unit, number_with_unit
 from geoswarm.solver.problem.tables.packed import Cell
+from geoswarm.solver.problem.tables.quantities import factor_in, quantities_of
 from geoswarm.solver.problem.tables.reading import (
     BLANKS,
     MAX_TABLE_BYTES,
@@ -37,8 +38,9 @@ _SUMMARY = re.compile(
 _WORD = re.compile(r"[^\W\d_]{3}")
 _SOME_ROWS = 3
 _TITLES = 10
+_LONGEST_LINE = 200
 
-__all__ = ["Area", "Sheet", "file_content", "number_in", "read_cells", "without_units"]
+__all__ = ["Area", "Sheet", "file_content", "number_in", "read_cells", "with_factors", "without_units"]
 
 Area: TypeAlias = tuple[int, int, int, int | None]
 """Cells: places of the first and the last column from 0, lines of the first and the last row, None to the end."""
@@ -307,3 +309,26 @@ def number_in(cell: Cell) -> float | None:
     if isinstance(cell, float):
         return cell if math.isfinite(cell) else None
     return cell_number(cell)
+
+
+def with_factors(heading: Heading, sheet: Sheet, used: Container[int]) -> Heading:
+    """A heading with the factors that lines outside the table, comments too, name for its quantity, or for none.
+
+    ``used`` are the lines of the readings. Times have no factor.
+    """
+    meant = set(quantities_of(heading.name))
+    if heading.dates or "time" in meant:
+        return heading
+    first = sheet.rows[0][0] if sheet.rows else sheet.header_line + 1
+    lines = [("comment", line.strip().lstrip("# \t")[:_LONGEST_LINE]) for line in sheet.comments.splitlines()]
+    lines += [
+        (f"line {line}", " ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE])
+        for line, row in sheet.grid.items()
+        if line not in used and not sheet.header_line <= line < first
+    ]
+    further = [
+        Named(None, None, True, f"{where}: {text}", heading.name, alters=True)
+        for where, text in lines
+        if factor_in(text) and (not (of := set(quantities_of(text))) or not meant or of & meant)
+    ]
+    return replace(heading, named=(*heading.named, *further))

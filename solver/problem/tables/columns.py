@@ -9,7 +9,7 @@ from operator import itemgetter
 from typing import Literal, TypeVar
 
 from geoswarm.solver.problem.tables.blocks import is_heading, is_reading
-from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
+from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, with_factors, without_units
 from geoswarm.solver.problem.tables.dates import (
     DATES_ACCEPTED,
     ELAPSED,
@@ -23,7 +23,7 @@ from geoswarm.solver.problem.tables.dates import (
     time_of_day,
 )
 from geoswarm.solver.problem.tables.headings import Heading, heading_of, units_in_comments
-from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, number_of, two_readings
+from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, is_mark, number_of, two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.picking import (
     Picked,
@@ -47,7 +47,6 @@ T = TypeVar("T")
 
 _MOST_MESSAGES = 10
 _FIRST = 3
-_NO_MARK = frozenset({"", "0", "no", "nein", "false", "ok", "-"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,12 +173,16 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
         found = Table(values["x"], values["y"], values.get("weight"), inputs=_of_inputs(values))
     comments = units_in_comments(sheet.comments)
     headings = {
-        role: heading_of(
-            column.name,
-            comments,
-            text=text_of(column, sheet.header, rows, name),
-            dates=role == "x" and found.zero is not None,
-            in_cells=reader.units.get(role),
+        role: with_factors(
+            heading_of(
+                column.name,
+                comments,
+                text=text_of(column, sheet.header, rows, name),
+                dates=role == "x" and found.zero is not None,
+                in_cells=reader.units.get(role),
+            ),
+            sheet,
+            reader.used(),
         )
         for role, column in reader.columns.items()
         if role in ("x", "y", "y_minus") or role.startswith("inputs.")
@@ -261,8 +264,7 @@ class _Reader:
         x, wanted = self.columns["x"], self._wanted
         if not x.cells:
             raise TableError(f"{self._name}: the cells of {x.name} are all empty")
-        moments = None
-        elapsed = None
+        moments, elapsed = None, None
         said = wanted.dates if wanted.dates in ELAPSED else None
         if wanted.dates in (None, said) and wanted.time is None:
             elapsed = elapsed_days([cell for _, cell in x.cells], x.heading or x.name, said)
@@ -301,7 +303,7 @@ class _Reader:
             zero = wanted.origin or moments[kept[0]]
             values["x"] = [(moments[i] - zero).total_seconds() / 86400 for i in kept]
         marks = self.columns.get("gross_error")
-        marked = [] if marks is None else [place for place, i in enumerate(kept) if _is_mark(marks.cells[i][1])]
+        marked = [] if marks is None else [place for place, i in enumerate(kept) if is_mark(marks.cells[i][1])]
         y = values["y"]
         if "y_minus" in values:
             y = [one - other for one, other in zip(y, values["y_minus"], strict=True)]
@@ -314,6 +316,9 @@ class _Reader:
             zero=zero,
             left_out=len(self._incomplete),
         )
+
+    def used(self) -> set[int]:  # lines
+        return {line for i, (line, _) in enumerate(self.columns["x"].cells) if i not in self._incomplete}
 
     def _moments(self, x: Picked) -> list[datetime]:
         """Date and time of each row."""
@@ -387,9 +392,8 @@ class _Reader:
             cells = [one.cells[i] for one in self.columns.values() if one.cells[i][1] != ""]
             if not any(is_reading(cell) for _, cell in cells):
                 told = ", ".join(str(cell)[:50] for _, cell in cells)
-                what = (
-                    f"{self._name} line {cells[0][0]}: '{told}' stands between the names and the first row of numbers"
-                )
+                line = f"{self._name} line {cells[0][0]}"
+                what = f"{line}: '{told}' stands between the names and the first row of numbers"
                 units = setting("x_unit"), " and ", setting("y_unit")
                 raise TableError(
                     (f"{what}; if these are unknown units, give ", *units, " and delete the row, else delete it")
@@ -414,7 +418,3 @@ class _Reader:
 _FIRST_OF_DATES = setting("x_dates", "day_first, month_first or year_first")
 _SINCE_START = {1: "hh:mm or mm:ss", 2: "hh:mm:ss"}
 _AS_WRITTEN = {"day_first": "31/12/2024 08:30", "month_first": "12/31/2024 08:30", "year_first": "24/12/31 08:30"}
-
-
-def _is_mark(cell: Cell) -> bool:
-    return cell != 0.0 if isinstance(cell, float) else cell.strip().casefold() not in _NO_MARK

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from geoswarm.solver.problem.tables.quantities import quantities_of
-from geoswarm.solver.problem.tables.unit_words import ALIASES, ATOMS, CASE_MATTERS, PARTS, in_signs
+from geoswarm.solver.problem.tables.unit_words import ALIASES, ATOMS, CASE_MATTERS, PARTS, SUMS, in_signs
 from geoswarm.solver.units import UnitError, base_unit, convert
 
 __all__ = [
@@ -55,7 +55,8 @@ _SCALED = (
     r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
 )
 _ALTERED = re.compile(
-    rf"(?:{_SCALED}|[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln|exp)"
+    rf"(?:{_SCALED}|{SUMS}|\0[\])]?\s?(?:of )?(?:full[ -]?scale|fs(?!\w))"
+    r"|[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln|exp)"
     r"(?![^\W\d_])|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
     re.IGNORECASE,
 )
@@ -71,6 +72,7 @@ _QUOTIENT = re.compile(
 )
 _SYMBOL_OVER = re.compile(r"[a-ln-zA-Z]/(?=\w+$)")
 _NORMALISED = re.compile(r"(?<!\w)norm(?:ali[sz]ed|alisiert\w*|iert\w*)", re.IGNORECASE)
+_ABSOLUTE = re.compile(r"(?<!\w)abs(?:olute?[nrs]?)?(?!\w)", re.IGNORECASE)
 _VALUE_BEFORE = re.compile(
     r"(?:(?:^|[/=|:*·×(])x?\d+(?:[.,]\d+)?|hunderte?|tausende?|zehn|hundreds?|thousands?|ten)$", re.IGNORECASE
 )
@@ -250,6 +252,8 @@ def _altered(heading: str, found: Sequence[Named]) -> Named | None:
         text = next(quotients, None)
     if text is None and sized and (normalised := _NORMALISED.search(name)) is not None:
         text = normalised[0]
+    if text is None and any(one.base == "kPa" for one in units) and (above := _ABSOLUTE.search(name)) is not None:
+        text = f"{above[0]}: with the atmosphere"
     return None if text is None else Named(None, None, True, text.strip(" \0"), heading, alters=True)
 
 

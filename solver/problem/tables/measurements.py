@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from geoswarm.solver.problem.tables.blocks import begin, key
-from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
+from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, with_factors, without_units
 from geoswarm.solver.problem.tables.dates import doubtful_date, elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
+    Heading,
     Named,
     best_unit,
     guess_unit,
@@ -175,6 +176,11 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
     body = [cells for _, cells in found.rows]
     width = min(max([len(found.header), *(len(cells) for cells in body)]), MAX_COLUMNS)
     commented = units_in_comments(found.comments)
+    used = {line for line, cells in found.rows if sum(number_in(cell) is not None for cell in cells) > 1}
+
+    def beside(heading: Heading) -> Heading:
+        return with_factors(heading, found, used)
+
     columns = []
     for place in range(width):
         heading = found.header[place] if place < len(found.header) else ""
@@ -188,6 +194,7 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
                     body,
                     commented,
                     units_beside(found.header, body, place),
+                    beside,
                 )
             )
     return tuple(columns)
@@ -200,6 +207,7 @@ def _column(
     body: Sequence[Sequence[Cell]],
     commented: Mapping[str, str],
     units: Sequence[str] = (),
+    beside: Callable[[Heading], Heading] = lambda heading: heading,
 ) -> Column:
     label = guess_unit(heading)[0]
     since = elapsed_days(cells, heading)
@@ -217,7 +225,7 @@ def _column(
             None if moment is None or first is None else (moment - first).total_seconds() / 86400 for moment in moments
         )
     text = f"{heading} [{units[0]}]" if len(units) == 1 else ""
-    named = heading_of(heading, commented, text=text, dates=kind == "time", in_cells=in_cells).named
+    named = beside(heading_of(heading, commented, text=text, dates=kind == "time", in_cells=in_cells)).named
     best = best_unit(named, BASES)
     several = f"is in {listed(units)}" if len(units) > 1 else None
     unclear = several or unclear_unit(named) or (None if best is not None else _other_quantity(best_unit(named)))

@@ -10,13 +10,14 @@ from typing import Literal, TypeAlias
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.reading import cell_number
 
-__all__ = ["DecimalSign", "doubtful_cell", "evidence", "number_of", "two_readings"]
+__all__ = ["DecimalSign", "doubtful_cell", "evidence", "is_mark", "number_of", "two_readings"]
 
 DecimalSign: TypeAlias = Literal["comma", "point"]
 """What stands before the decimals; the other sign may then stand between thousands."""
 
 Evidence: TypeAlias = frozenset[DecimalSign]
 
+_NO_MARK = frozenset({"", "0", "no", "nein", "false", "ok", "-"})
 _MOST = 60  # characters of a number with thousands
 _SIGNS: dict[DecimalSign, str] = {"comma": ",", "point": "."}
 _OTHER: dict[DecimalSign, DecimalSign] = {"comma": "point", "point": "comma"}
@@ -115,3 +116,8 @@ def _first(cells: Sequence[Cell], form: re.Pattern[str]) -> str | None:
 def _apart(cell: str) -> bool:
     """Whether only the reader with a sign understands a cell: 1'000, 1 000, 1.234,5."""
     return len(cell) <= _MOST and cell_number(cell) is None and bool(two_readings(cell))
+
+
+def is_mark(cell: Cell) -> bool:
+    """Whether a cell marks its row, as one of gross errors does."""
+    return cell != 0.0 if isinstance(cell, float) else cell.strip().casefold() not in _NO_MARK

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["quantities_of"]
+__all__ = ["factor_in", "is_heave", "quantities_of"]
 
+_HEAVE = (
+    r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
+    r"|hebung|verformung|ma(?:ß|ss))|schwell(?:ung|dehnung|hebung)"
+    r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index)))"
+    r"(?![^\W\d_])(?!\s*\(?[=:]?\s*(?:[-−–]\s*(?:\)|$)|neg))"  # "Setzung, Hebung (-)" is a settlement
+)
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
         r"probe(n?(nummer|bezeichnung|nr))?\b|prüfkörper|versuch(s?nummer)?\b|bohrung|borehole"
@@ -16,6 +22,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"uhrzeit|time of day|\bclock", ("clock",)),
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
+    (_HEAVE, ("heave",)),
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
     (r"überdruck|ueberdruck|excess pore|excess pwp", ("excess_pore_pressure", "pore_pressure")),
     (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
@@ -67,6 +74,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
 """Patterns of headings and what they mean, the likeliest first; the first pattern that is found counts."""
 
 _KNOWN = tuple((re.compile(pattern), meant) for pattern, meant in _RULES)
+_RISES = re.compile(_HEAVE)
 _WORD_BEGINS = re.compile("(?<=[a-z])(?=[A-Z])")  # in ShearStrain
 _LONGEST = 200
 
@@ -79,5 +87,38 @@ def quantities_of(label: str) -> tuple[str, ...]:
     >>> quantities_of("Zeit seit Laststufe")
     ('stage',)
     """
-    plain = " ".join(_WORD_BEGINS.sub(" ", label.replace("_", " ")).split())[:_LONGEST].casefold()
+    plain = _plain(label)
     return next((meant for pattern, meant in _KNOWN if pattern.search(plain)), ())
+
+
+def is_heave(label: str) -> bool:
+    """Whether a heading is that of a movement upwards, which as a settlement has the other sign."""
+    return _RISES.search(_plain(label)) is not None
+
+
+def _plain(label: str) -> str:
+    return " ".join(_WORD_BEGINS.sub(" ", label.replace("_", " ")).split())[:_LONGEST].casefold()
+
+
+_FACTOR = r"(?:10\s?(?:\^|\*\*)?\s?[-−]\s?\d|1\s?[/:]\s?10+|\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|[.,]\d+)"
+_SCALED_LINE = re.compile(
+    r"(?:(?<![^\W\d_])(?<!safety )(?<!shape )(?<!form )(?<!gauge )(?<!time )(?:(?:umrechnungs|skalierungs|mess(?:wert)?"
+    r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling)[- ]?)?fa[ck]tor(?:s|en)?(?![^\W\d_])(?! of safety)"
+    r"|(?<![^\W\d_])(?:skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
+    rf"\D{{0,40}}?({_FACTOR})(?![\d.,])"
+    rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"
+    rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+in\s+(1\s?/\s?10+|0?[.,]0*1)\s*\W?$",
+    re.IGNORECASE,
+)
+"""A line that scales the numbers of a table: ``Faktor: 0,01``, ``multiply by 0.01``, ``Werte x 0,01``."""
+
+
+def factor_in(line: str) -> str | None:
+    """The factor that a line outside a table names; None for none, and for 1.
+
+    >>> factor_in("Skalierung (Setzung): 1/100"), factor_in("scale factor 1.0")
+    ('1/100', None)
+    """
+    found = _SCALED_LINE.search(line)
+    factor = None if found is None else next(filter(None, found.groups()))
+    return None if factor is None or re.fullmatch(r"0*1(?:[.,]0*)?", factor) else factor

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["ALIASES", "ATOMS", "CASE_MATTERS", "PARTS", "in_signs"]
+__all__ = ["ALIASES", "ATOMS", "CASE_MATTERS", "PARTS", "SUMS", "in_signs"]
 
 _WORDS = {
     "s": "s sec secs second seconds sek sekunde sekunden",
@@ -71,6 +71,14 @@ ATOMS = frozenset(
 
 PARTS = r"zehntel|hundertstel|tausendstel|tenths?|hundredths?|thousandths?|(?:1\s?/\s?)?10{1,6}\s?-?(?:stel|tel|th[s]?)"
 """Words for parts of a unit, as a regular expression."""
+
+_QUANTITY = r"[∆Δδ]?(?:[a-zα-ω]{1,3}|sigma|eps(?:ilon)?|gamma)_?[\d₀-₉]?['’′]?"
+_NUMBER = r"\d+(?:[.,]\d+)?"
+SUMS = (
+    rf"(?-i:(?<![\w\-+·*.,])(?:{_QUANTITY}\s*\+\s*(?:{_QUANTITY}|{_NUMBER})|{_QUANTITY}\s*[·*]\s*[A-Zα-ω](?!\w)"
+    rf"|(?:(?<=^)|(?<=\()){_NUMBER}\s*[-+−–]\s*{_QUANTITY})(?![\w\-+]))"
+)
+"""Sums and products of symbols, as a regular expression: ``p0+10``, ``σ·A``, ``100-ε``; ``σ1-σ3`` is the deviator."""
 
 _PART = re.compile(rf"^({PARTS})(?: of(?: an?)?)?[ -]?(?=\S)", re.IGNORECASE)
 _DIVISORS = {"zehnt": 10, "hunde": 100, "tause": 1000, "tenth": 10, "hundr": 100, "thous": 1000}

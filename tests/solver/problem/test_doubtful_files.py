@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -362,3 +363,39 @@ def test_words_beside_a_unit_are_no_factors(heading: str, base: str, factor: flo
     assert wrong is None
     assert unit is not None
     assert float(convert(1.0, unit, base)) == pytest.approx(factor, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("heading", "heave"),
+    [
+        ("Hebung [mm]", True),
+        ("Heave [mm]", True),
+        ("heave_mm", True),
+        ("Uplift (mm)", True),
+        ("Quellung in mm", True),
+        ("Sohlhebung [mm]", True),
+        ("Swell [mm]", True),
+        ("Setzung/Hebung [mm]", True),
+        ("Setzung, Hebung neg. [mm]", False),
+        ("Settlement (+) / heave (-) [mm]", False),
+        ("Setzung [mm]", False),
+        ("Erhebung der Setzung [mm]", False),
+    ],
+)
+def test_a_heave_is_a_settlement_only_with_its_sign_said(heading: str, heave: bool) -> None:
+    text = f"Zeit [min];{heading}\n0;1\n1;2\n3;4\n".encode()
+    given = {"series": "settlement", "x_column": "A:A", "y_column": "B:B", "y_unit": "mm"}
+    assert ("heave" in quantities_of(heading)) is heave
+    if heave:
+        with pytest.raises(ProblemError, match=r"is a heave, which settlement has with the other sign; .*y_factor: -1"):
+            measured_points(json.dumps(given), text, "a.csv")
+    else:
+        assert measured_points(json.dumps(given), text, "a.csv")[0].y == [1.0, 2.0, 4.0]
+    assert measured_points(json.dumps({**given, "y_factor": -1}), text, "a.csv")[0].y == [-1.0, -2.0, -4.0]
+    other = {**given, "series": "heave"}
+    assert measured_points(json.dumps(other), text, "a.csv")[0].y == [1.0, 2.0, 4.0]
+
+
+def test_a_swelling_pressure_is_no_heave() -> None:
+    assert "heave" not in quantities_of("swelling pressure [kPa]")
+    assert "heave" not in quantities_of("Quelldruck [kPa]")

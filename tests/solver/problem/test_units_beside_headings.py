@@ -12,7 +12,7 @@ from geoswarm.solver.problem.issues import validated
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import Columns, table_of
-from geoswarm.solver.problem.tables.headings import heading_of
+from geoswarm.solver.problem.tables.headings import heading_of, unclear_unit
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.sentences import plain
 from geoswarm.solver.units import convert
@@ -97,7 +97,7 @@ def test_a_merged_name_of_a_column_stays_a_name() -> None:
         ("Setzungen in mm\nSetzungen in cm", "Setzung", "names several units"),
         ("Setzungen in cm", "Setzung [mm]", "names several units"),
         ("Setzungen in mm", "Setzung [Skt]", "not a known unit"),
-        ("Setzungen in mm x 0,1", "Setzung", ASKED),
+        ("Setzungen in mm x 0,1", "Setzung", "has a factor"),
     ],
 )
 def test_a_title_line_says_the_unit_of_its_quantity(titles: str, heading: str, expected: float | str) -> None:
@@ -185,3 +185,88 @@ def test_the_problem_takes_the_units_that_refusals_name(unit: str, kilopascals: 
 
 def test_an_abbreviated_pore_pressure() -> None:
     assert quantities_of("Porenwass.") == ("pore_pressure",)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Faktor: 0,01",
+        "Umrechnungsfaktor Setzung = 1/100",
+        "# factor 0.01",
+        "Skalierung: 0,01",
+        "Werte x 0,01",
+        "Setzungen in mm x 0,1",
+        "multiply by 0.01",
+        "values divided by 10",
+        "Messwerte in 1/100",
+        "scale 1:10",
+    ],
+)
+def test_a_factor_above_or_below_the_table_is_asked_for(line: str) -> None:
+    table = f"Zeit [min];Setzung [mm]\n{NUMBERS}"
+    for content in (f"{line}\n{table}", f"{table}\n{line}\n"):
+        found = metres(content)
+        assert "has a factor" in found, content
+        assert line.lstrip("# ").replace(";", " ") in found
+        assert "y_unit says which holds, y_factor multiplies" in found
+        columns = read_measurements(content.encode(), "a").columns
+        assert columns[1].unit is None
+        assert "has a factor" in (columns[1].unclear or "")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Faktor: 1,0",
+        "Safety factor 1.5",
+        "Faktor Last 0,5",
+        "Probe 5 x 10",
+        "Werte in mm",
+        "Scale 1",
+        "Faktor Zeit: 60",
+    ],
+)
+def test_lines_that_do_not_scale_the_column_are_passed_over(line: str) -> None:
+    assert metres(f"{line}\nZeit [min];Setzung [mm]\n{NUMBERS}") == [0.001, 0.002, 0.003]
+
+
+def test_a_factor_alone_or_in_the_cell_behind_its_name_is_asked_for() -> None:
+    assert "'line 1: x 10^-2', beside mm" in metres(f"x 10^-2\nZeit [min];Setzung [mm]\n{NUMBERS}")
+    assert "'line 1: Faktor 0,01', beside mm" in metres(f"Faktor;0,01\nZeit [min];Setzung [mm]\n{NUMBERS}")
+
+
+def test_a_unit_that_is_given_settles_a_factor_beside_the_table() -> None:
+    table = table_of(f"Faktor: 0,01\nZeit [min];Setzung [mm]\n{NUMBERS}".encode(), "a", Columns(x="A:A", y="B:B"))
+    assert unit_of_data("y", "0.01 mm", "m", table.y_heading, unitless=False) == ("0.01 mm", None)
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        *(
+            "p0+10 [kPa]",
+            "p0 + 10 [kPa]",
+            "σ1+σ3 [kPa]",
+            "sigma_1+sigma_3 [kPa]",
+            "σ·A [kPa]",
+            "100-ε [%]",
+            "100 - eps [%]",
+        ),
+        *("u kPa abs", "abs. pressure [kPa]", "u absolute [kPa]", "u bar abs"),
+        *("Strain % of full scale", "Strain % FS", "Strain [%] FS"),
+    ],
+)
+def test_sums_absolute_pressures_and_shares_of_full_scale_are_asked_for(heading: str) -> None:
+    assert "has a factor or a function" in (unclear_unit(heading_of(heading, {}).named) or "")
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        *("σ1-σ3 [kPa]", "σ1 - σ3 [kPa]", "sigma_1-sigma_3 [kPa]", "u-u0 [kPa]", "Δh [mm]", "in-situ stress [kPa]"),
+        *("p' = (σ1+σ2+σ3)/3 [kPa]", "Zeit-Setzung [mm]", "OE-2 Setzung [mm]", "Probe 1-A [mm]", "Absenkung [mm]"),
+        *("fs [kPa]", "absolute Setzung [mm]", "Stufe 1 - Setzung [mm]", "c+ [kPa]"),
+    ],
+)
+def test_differences_names_and_words_keep_their_unit(heading: str) -> None:
+    assert unclear_unit(heading_of(heading, {}).named) is None
