@@ -9,13 +9,22 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from geoswarm.solver.identifiability import Samples, correlate, filter_samples, project
+from geoswarm.solver.identifiability.prediction.bands import BasinOutcome, PredictedSeries, Prediction
+from geoswarm.solver.identifiability.stored.findings import Findings
+from geoswarm.solver.problem import parse_problem
+from geoswarm.solver.report.compared import compared_with
+from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
 from geoswarm.solver.report.figures.matrix_plot import MatrixData, matrix_figure
 from geoswarm.solver.report.figures.progress_plots import convergence_figure
 from geoswarm.solver.report.figures.style import figures_available, inline_svg, png_of, svg_of, tick_text
-from tests.solver.report.conftest import Run
+from geoswarm.solver.report.record import RunRecord
+from geoswarm.solver.report.uncertainty import Uncertainty
+from tests.solver.report.conftest import Run, oedometer
 
 
 def texts(svg: bytes) -> str:
@@ -37,9 +46,63 @@ def test_every_axis_has_a_unit(swarm: Run, sampling: Run) -> None:
             assert all(re.search(r"\[[^\]]+\]", label) for label in labels), (name, labels)
 
 
-def test_settlements_point_downwards(swarm: Run) -> None:
-    for name in ("fit", "stages.settlement"):
-        assert all(axes.yaxis_inverted() for axes in swarm.report.figures.draw(name).axes), name
+def settlement_axes(figure: Figure) -> list[Axes]:
+    """The axes that have settlements upwards or downwards; the residuals of a settlement are below it."""
+    if "settlement" in figure.get_supylabel():
+        return figure.axes
+    shown = [axes for axes in figure.axes if "settlement" in axes.get_ylabel()]
+    return shown + [axes for axes in figure.axes if shown and axes.get_ylabel().startswith("residual")]
+
+
+def test_settlements_point_downwards_in_every_figure(swarm: Run) -> None:
+    document = oedometer()
+    (observed,) = document["observations"]
+    several = parse_problem(
+        document
+        | {
+            "forward_model": {"kind": "combined", "parts": dict.fromkeys("ab", document["forward_model"])},
+            "observations": [observed | {"series": f"{test}.settlement"} for test in "ab"],
+        }
+    )
+    best = compared_with(several, "best", swarm.result.parameters or {}).fit
+    record = RunRecord(None, "finished", (), None, 1, 0, 1, {}, 1.0, 1, best, ())
+    x = np.array([1.0, 2.0, 3.0])
+    band = PredictedSeries(
+        "settlement",
+        "time",
+        "settlement",
+        "min",
+        "mm",
+        x,
+        x,
+        x,
+        x,
+        None,
+        None,
+        x[None],
+        x[None],
+        x[None],
+        x,
+        1,
+        0,
+        None,
+    )
+    basin = BasinOutcome(1.0, {}, 20)
+    later = Prediction("later", 0.9, "covariance", 20, 0, (basin,), (), (band,), None, (), swarm.problem, {})
+    found = Uncertainty(Findings(predictions=(later,)))
+    drawn: dict[str, list[Axes]] = {}
+    for figures in (swarm.report.figures, FigureSet(several, record, None, None, found)):
+        drawn |= {name: settlement_axes(figures.draw(name)) for name in figures.names}
+    shown = {name for name, axes in drawn.items() if axes}
+    assert shown == {
+        "fit",
+        "tests",
+        "prediction.later",
+        "stages.settlement",
+        "stages.a.settlement",
+        "stages.b.settlement",
+    }
+    assert {name for name in shown if not all(axes.yaxis_inverted() for axes in drawn[name])} == set()
 
 
 def test_matrix_prints_correlation_threshold_and_counts(sampling: Run) -> None:
