@@ -40,7 +40,16 @@ _SOME_ROWS = 3
 _TITLES = 10
 _LONGEST_LINE = 200
 
-__all__ = ["Area", "Sheet", "file_content", "number_in", "read_cells", "with_factors", "without_units"]
+__all__ = [
+    "Area",
+    "Sheet",
+    "factor_lines",
+    "file_content",
+    "number_in",
+    "read_cells",
+    "with_factors",
+    "without_units",
+]
 
 Area: TypeAlias = tuple[int, int, int, int | None]
 """Cells: places of the first and the last column from 0, lines of the first and the last row, None to the end."""
@@ -311,14 +320,11 @@ def number_in(cell: Cell) -> float | None:
     return cell_number(cell)
 
 
-def with_factors(heading: Heading, sheet: Sheet, used: Container[int]) -> Heading:
-    """A heading with the factors that lines outside the table, comments too, name for its quantity, or for none.
+def factor_lines(sheet: Sheet, used: Container[int]) -> list[tuple[str, frozenset[str]]]:
+    """Lines outside the table, comments too, that name a factor, and the quantities that they name.
 
-    ``used`` are the lines of the readings. Times have no factor.
+    ``used`` are the lines of the readings.
     """
-    meant = set(quantities_of(heading.name))
-    if heading.dates or "time" in meant:
-        return heading
     first = sheet.rows[0][0] if sheet.rows else sheet.header_line + 1
     lines = [("comment", line.strip().lstrip("# \t")[:_LONGEST_LINE]) for line in sheet.comments.splitlines()]
     lines += [
@@ -326,9 +332,17 @@ def with_factors(heading: Heading, sheet: Sheet, used: Container[int]) -> Headin
         for line, row in sheet.grid.items()
         if line not in used and not sheet.header_line <= line < first
     ]
+    return [(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
+
+
+def with_factors(heading: Heading, lines: Iterable[tuple[str, frozenset[str]]]) -> Heading:
+    """A heading with the factors that lines name for its quantity, or for none. Times have no factor."""
+    meant = frozenset(quantities_of(heading.name))
+    if heading.dates or "time" in meant:
+        return heading
     further = [
-        Named(None, None, True, f"{where}: {text}", heading.name, alters=True)
-        for where, text in lines
-        if factor_in(text) and (not (of := set(quantities_of(text))) or not meant or of & meant)
+        Named(None, None, True, line, heading.name, alters=True)
+        for line, of in lines
+        if not of or not meant or of & meant
     ]
     return replace(heading, named=(*heading.named, *further))

@@ -9,7 +9,7 @@ from operator import itemgetter
 from typing import Literal, TypeVar
 
 from geoswarm.solver.problem.tables.blocks import is_heading, is_reading
-from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, with_factors, without_units
+from geoswarm.solver.problem.tables.cells import Sheet, factor_lines, number_in, read_cells, with_factors, without_units
 from geoswarm.solver.problem.tables.dates import (
     DATES_ACCEPTED,
     ELAPSED,
@@ -171,7 +171,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
     else:
         values = {role: quick[1][:, one.place].tolist() for role, one in reader.columns.items()}
         found = Table(values["x"], values["y"], values.get("weight"), inputs=_of_inputs(values))
-    comments = units_in_comments(sheet.comments)
+    comments, factors = units_in_comments(sheet.comments), factor_lines(sheet, reader.used())
     headings = {
         role: with_factors(
             heading_of(
@@ -181,8 +181,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
                 dates=role == "x" and found.zero is not None,
                 in_cells=reader.units.get(role),
             ),
-            sheet,
-            reader.used(),
+            factors,
         )
         for role, column in reader.columns.items()
         if role in ("x", "y", "y_minus") or role.startswith("inputs.")

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from geoswarm.solver.problem.tables.blocks import begin, key
-from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, with_factors, without_units
+from geoswarm.solver.problem.tables.cells import Sheet, factor_lines, number_in, read_cells, with_factors, without_units
 from geoswarm.solver.problem.tables.dates import doubtful_date, elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
-    Heading,
     Named,
     best_unit,
     guess_unit,
@@ -150,7 +149,8 @@ def _lying(found: Sheet, rows: Sequence[Picked]) -> tuple[Column, ...]:
     """Columns of a sheet without a table below headings, whose readings lie in rows."""
     body = [cells for _, cells in found.rows]
     return tuple(
-        _column(row.heading[:200], row.name, [cell for _, cell in row.cells], body, {}) for row in rows[:MAX_COLUMNS]
+        _column(row.heading[:200], row.name, [cell for _, cell in row.cells], body, {}, (), ())
+        for row in rows[:MAX_COLUMNS]
     )
 
 
@@ -177,10 +177,7 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
     width = min(max([len(found.header), *(len(cells) for cells in body)]), MAX_COLUMNS)
     commented = units_in_comments(found.comments)
     used = {line for line, cells in found.rows if sum(number_in(cell) is not None for cell in cells) > 1}
-
-    def beside(heading: Heading) -> Heading:
-        return with_factors(heading, found, used)
-
+    factors = factor_lines(found, used)
     columns = []
     for place in range(width):
         heading = found.header[place] if place < len(found.header) else ""
@@ -194,7 +191,7 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
                     body,
                     commented,
                     units_beside(found.header, body, place),
-                    beside,
+                    factors,
                 )
             )
     return tuple(columns)
@@ -206,8 +203,8 @@ def _column(
     cells: list[Cell],
     body: Sequence[Sequence[Cell]],
     commented: Mapping[str, str],
-    units: Sequence[str] = (),
-    beside: Callable[[Heading], Heading] = lambda heading: heading,
+    units: Sequence[str],
+    factors: Sequence[tuple[str, frozenset[str]]],
 ) -> Column:
     label = guess_unit(heading)[0]
     since = elapsed_days(cells, heading)
@@ -225,7 +222,8 @@ def _column(
             None if moment is None or first is None else (moment - first).total_seconds() / 86400 for moment in moments
         )
     text = f"{heading} [{units[0]}]" if len(units) == 1 else ""
-    named = beside(heading_of(heading, commented, text=text, dates=kind == "time", in_cells=in_cells)).named
+    whole = heading_of(heading, commented, text=text, dates=kind == "time", in_cells=in_cells)
+    named = with_factors(whole, factors).named
     best = best_unit(named, BASES)
     several = f"is in {listed(units)}" if len(units) > 1 else None
     unclear = several or unclear_unit(named) or (None if best is not None else _other_quantity(best_unit(named)))

@@ -38,6 +38,18 @@ from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 __all__ = ["Report", "linearise_stored", "report_of_result"]
 
 
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Look for no garbage: figures are many small objects, and all of them are kept until its end."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
+
+
 class Report:
     """Everything that can be shown of one run.
 
@@ -156,6 +168,7 @@ class Report:
         """Return the PDF."""
         return pdf_report(self.content)
 
+    @_without_collection()
     def save(
         self,
         folder: Path,
@@ -169,12 +182,6 @@ class Report:
 
         ``told``: is called with how many figures and reports are written, and of how many.
         """
-        with _without_collection():
-            return self._written(folder, html, pdf, figures, told)
-
-    def _written(
-        self, folder: Path, html: bool, pdf: bool, figures: Sequence[str] | None, told: Callable[[int, int], None]
-    ) -> list[Path]:
         reports: list[Path] = []
         written: list[Path] = []
         names = self.figures.shown if figures is None else figures
@@ -230,18 +237,6 @@ def report_of_result(
         uncertainty=uncertainty,
         compared=compared,
     )
-
-
-@contextmanager
-def _without_collection() -> Iterator[None]:
-    """Do not look for garbage in the body: figures are many small objects, and all of them are kept until its end."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
 
 
 def linearise_stored(
