@@ -69,7 +69,7 @@ def create_app(
     pool
         Processes for requests that calculate; None: they are worked on here.
     door
-        Judge who asks, how often and how much; False inside such a process, where the service has done so.
+        Check the sender, the rate and the size; False inside such a process, where the service has done so.
     """
     settings = settings or ApiSettings()
     app = FastAPI(
@@ -99,7 +99,7 @@ def create_app(
     if pool is not None:
         app.add_middleware(ComputeMiddleware, pool=pool, settings=settings)
     if door:
-        app.add_middleware(Intake, settings=settings)  # inside the gate, which tells whose bytes they are
+        app.add_middleware(Intake, settings=settings)  # inside the gate, which knows whose bytes they are
         app.add_middleware(Gate, settings=settings, authenticator=app.state.authenticator)
         app.add_middleware(Observer, metrics=app.state.requests)
     install_error_handlers(app, pages=error_page)

@@ -29,7 +29,7 @@ __all__ = ["InternalApp", "main"]
 
 
 class InternalApp:
-    """An application behind no door: the service, which alone reaches this process, says who asks."""
+    """An application without a gate: the service, which alone reaches this process, names the sender."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -70,7 +70,7 @@ def main(given: Mapping[str, Any]) -> None:
 
 
 def _follow_parent() -> None:
-    """End with the service: the end of standard input tells."""
+    """End with the service: its end closes standard input."""
     while os.read(sys.stdin.fileno(), 1):
         pass
     os._exit(0)

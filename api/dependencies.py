@@ -24,7 +24,7 @@ POSSIBLE_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 async def _service(request: Request) -> JobService:
-    """The service as the one who asks may use it; the gate has told who that is."""
+    """The service with the permissions of the sender, which the gate has found."""
     service: JobService = request.app.state.service
     principal: Principal | None = getattr(request.state, "principal", None)
     return service.on_behalf_of(NOBODY if principal is None else principal)

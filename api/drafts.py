@@ -25,7 +25,7 @@ MAX_LISTED = 2000
 
 
 def describe_draft(draft: Draft) -> ProblemDraft:
-    """What is to be told of a draft."""
+    """What the form shows of a draft."""
     model, problem = draft.model, draft.problem
     warnings = () if problem is None else warnings_of(problem)
     issues = draft.issues if problem is None else located(impossible(problem), draft.yaml)
@@ -87,7 +87,7 @@ def _observations(problem: Problem) -> list[DraftObservation]:
 
 @cache
 def find_examples() -> dict[str, Example]:
-    """The examples that need no program of others by name, their points in place of their files."""
+    """The examples that need no third-party program, by name, with points instead of files."""
     return {name: _example(name) for name in example_names(engines=False)}
 
 

@@ -14,7 +14,7 @@ from geoswarm.workers.tracing import span
 
 __all__ = ["Observer", "RequestMetrics"]
 
-disable_created_metrics()  # type: ignore[no-untyped-call]  # untyped library; drops times that nobody reads
+disable_created_metrics()  # type: ignore[no-untyped-call]  # untyped library; drops unused times
 logger = logging.getLogger("geoswarm.access")
 
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})

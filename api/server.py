@@ -64,7 +64,7 @@ def bind(host: str, port: int) -> socket.socket:
 
 
 class Server(uvicorn.Server):
-    """uvicorn that watches its connections, lets go of who waits when it stops, and returns after a signal."""
+    """uvicorn that watches its connections, ends waiting requests when it stops, and returns after a signal."""
 
     config: Config
 

@@ -1,8 +1,8 @@
 """Settings from the environment; secrets from it or from files.
 
-A secret stands in a variable, or in the file that the variable with ``_FILE`` behind its name points to. A file is what
-Docker, Kubernetes and systemd hand secrets over as: it is in no process list, no ``docker inspect`` and no environment
-that a child process inherits.
+A secret is the value of a variable, or the content of the file that the variable with the suffix ``_FILE`` names.
+Docker, Kubernetes and systemd pass secrets as files: they appear in no process list, no ``docker inspect`` and no
+environment that a child process inherits.
 """
 
 from __future__ import annotations

@@ -122,7 +122,7 @@ class Course:
         runs
             All evaluations so far, this generation included; needed where it :meth:`learns`.
         criteria
-            Stop criteria in place of the problem's.
+            Stop criteria instead of the problem's.
         situation
             State of the engine; decides the size of the next generation with ``particles: auto``.
         failures
@@ -181,7 +181,7 @@ class Course:
         reasons = satisfied_reasons(criteria, status)
         own = method.end_reason(search, evaluations, over=not len(positions))
         if own is not None:
-            # Of a follow-up nothing else counts: nobody set its number of evaluations.
+            # Of a follow-up nothing else counts: its number of evaluations was not set.
             others = () if method.role == "follow_up" else reasons
             reasons = (own, *(r for r in others if r != MaxEvaluations.reason))
         if best is None and fails_always(failures or {}, evaluations):
@@ -217,7 +217,7 @@ def _ahead(search: Search) -> FloatArray | None:
 
 
 def _may_begin(criteria: Sequence[StopCriterion], evaluations: int, ahead: FloatArray | None) -> bool:
-    """Whether a generation that is asked for ahead, after so many evaluations, may be begun."""
+    """Whether a generation may be started ahead, after this number of evaluations."""
     left = evaluations_left(criteria, evaluations)
     return ahead is not None and (left is None or len(ahead) <= left)
 

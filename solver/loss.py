@@ -1,6 +1,6 @@
 """Robust losses: what a reading far from the curve counts.
 
-With z = sqrt(w_h) (y_calc - y_meas) / c and the scale c, a reading counts c^2 rho(z^2) in place of w_h (y_calc -
+With z = sqrt(w_h) (y_calc - y_meas) / c and the scale c, a reading counts c^2 rho(z^2) instead of w_h (y_calc -
 y_meas)^2, so that small residuals count as they always do:
 
 ==========  ==========================================  =========================

@@ -276,7 +276,7 @@ def warm(report: Callable[[str, float], None] | None = None) -> None:
     Parameters
     ----------
     report
-        Is told the group of kernels and the wall time until it was there [s].
+        Called with the group of kernels and the wall time until it was there [s].
     """
     if _plain_python():
         return

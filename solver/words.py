@@ -74,7 +74,7 @@ def number(value: float | None, digits: int = 4, *, plain: bool = False) -> str:
     Parameters
     ----------
     plain
-        ``4.83e-9`` as programs read it, in place of ``4.83·10⁻⁹``.
+        ``4.83e-9`` as programs read it, instead of ``4.83·10⁻⁹``.
     """
     if value is None:
         return _PLAIN_MISSING if plain else _MISSING

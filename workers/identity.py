@@ -1,4 +1,4 @@
-"""Who a worker process is, and how others on the same machine see at once that it has died."""
+"""Identity of a worker process, and how others on the same machine see at once that it has died."""
 
 from __future__ import annotations
 

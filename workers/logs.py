@@ -1,7 +1,7 @@
 """Log records on stderr, as text or as one JSON object a line; secrets are made unreadable in both.
 
 A text line ends where its record ends: control characters are escaped, lines of tracebacks are indented. The same
-trouble is told once a second.
+trouble is logged once a second.
 
 Records about a job carry ``job``, and where it applies ``generation``, ``evaluation`` (the particle) and ``worker``.
 """

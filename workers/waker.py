@@ -1,4 +1,4 @@
-"""The waker: tells workers that a job may have work. A wake-up may be lost or doubled, nothing depends on it."""
+"""The waker: notifies workers that a job may have work. A wake-up may be lost or doubled, nothing depends on it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Waker(Protocol):
 
 
 class NoWaker:
-    """Rings nobody: workers find the work when they look, or through a sweep."""
+    """Notifies no worker: workers find the work when they look, or through a sweep."""
 
     def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:
         """Do nothing."""

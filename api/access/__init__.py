@@ -1,1 +1,1 @@
-"""The door of the API: who comes in, how often, how much at once."""
+"""Admission to the API: authentication, rate limits, limits of size."""

@@ -1,4 +1,4 @@
-"""Who sends a request: the API key in its headers or the session of a browser, and whose it is."""
+"""Authentication of a request: by the API key in its headers or the session of a browser."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ __all__ = ["SESSION_COOKIE", "Authenticator", "Identity", "given_key", "given_to
 SESSION_COOKIE = "geoswarm_session"
 
 BOOTSTRAP = Principal(None, "admin", "environment")
-"""Bearer of the key that the environment gives: the first administrator, who owns no jobs and sees all."""
+"""Bearer of the key that the environment gives: the first administrator, which owns no jobs and sees all."""
 
 FAILURES_PER_SECOND = 0.5
 FAILURE_BURST = 20
 SIGN_INS_PER_SECOND = 0.1
 SIGN_IN_BURST = 30
 TRUSTED_KEYS = 10_000
-LONG_KEY = 32  # characters; whoever guesses has no chance with more
+LONG_KEY = 32  # characters; longer keys cannot be guessed
 
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Who sends a request; ``session`` when a browser's session says so, None with a key or without the need of one."""
+    """Sender of a request; ``session`` is the one of a browser, None with a key or where none is needed."""
 
     principal: Principal
     session: SessionView | None = None
 
 
 class Authenticator:
-    """Finds out who sends a request.
+    """Authenticates requests.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class Authenticator:
         return SignInSessions(self._service.store, None if self._static is None else (self._static, BOOTSTRAP))
 
     async def identify(self, headers: Headers, address: str, challenge: str) -> Identity:
-        """Return who sends a request; a key in its headers takes precedence over a session.
+        """Return the sender of a request; a key in its headers takes precedence over a session.
 
         Raises
         ------
@@ -110,7 +110,7 @@ class Authenticator:
         return found
 
     async def admits(self, headers: Headers) -> bool:
-        """Whether who sent a request before is still admitted: the key is valid, the session goes on.
+        """Whether the sender of an earlier request is still admitted: the key is valid, the session goes on.
 
         Raises
         ------
@@ -147,7 +147,7 @@ class Authenticator:
         return found
 
     async def sign_in(self, key: bytes, address: str, challenge: str) -> Principal:
-        """Do what :meth:`holder` does, for who begins a session: not too often, as each is a row in the database.
+        """Do what :meth:`holder` does, at a sign-in: with a limited rate, as each session is a row in the database.
 
         Raises
         ------

@@ -51,7 +51,7 @@ async def _problem_document(given: Annotated[tuple[str, Form], Depends(_problem_
 async def _file_content(request: Request) -> bytes:
     try:
         return await request.body()  # limited and complete: see geoswarm.api.access.intake
-    except ClientDisconnect:  # nobody hears it, but it is no fault of the service
+    except ClientDisconnect:  # the client has left: no fault of the service
         raise DetailError(400, "The connection was closed before the request had arrived.") from None
 
 

@@ -1,6 +1,6 @@
 """Connections of the service: how many, how long each may keep it waiting, and what happens when there are too many.
 
-Whoever keeps the service waiting longest (for the head of a request, for the rest of a body) makes room for others. A
+The connection that keeps the service waiting longest (for the head or the rest of a request) makes room for others. A
 connection that is being answered stays. When all are, new ones wait in the system's queue.
 """
 
@@ -55,8 +55,8 @@ class Phase(enum.IntEnum):
 
     HEAD = 0  # nothing, or a part of the head of a request, has come
     REST = 1  # answered; the rest of the body still comes
-    STUCK = 2  # nobody who is known, and reads nothing of the answer
-    BODY = 3  # a body comes from nobody who is known
+    STUCK = 2  # not authenticated, and reads nothing of the answer
+    BODY = 3  # a body comes, not authenticated
     BUSY = 4
 
 
@@ -114,7 +114,7 @@ class Connections:
         self.go_on()
 
     def go_on(self) -> None:
-        """Accept those who wait for a place, where there may be one."""
+        """Accept waiting connections, where there may be a place."""
         if not self._paused:
             self._listen()
 
@@ -133,7 +133,7 @@ class Connections:
     def _accept(self, listener: socket.socket, make: Callable[[], asyncio.Protocol]) -> None:
         for number in range(ACCEPTED_AT_ONCE):
             full = self.open >= self.most
-            if full and number:  # who comes first is there for sure; room is made for nobody else
+            if full and number:  # the first one waits for sure; room is made for no other
                 return
             if full and not self._make_room():
                 if self._coming:  # they have no phase yet

@@ -1,4 +1,4 @@
-"""The door of the service: host and origin checks, who asks and what they may, security headers on every answer."""
+"""The gate of the service: host and origin checks, authentication, permissions, security headers on every answer."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 class Gate:
-    """ASGI middleware that admits only permitted requests, and tells the application who sent them.
+    """ASGI middleware that admits only permitted requests, and passes their sender on to the application.
 
     - Without API keys the ``Host`` header must be a loopback name (or an allowed one): a page on the internet cannot
       make the user's browser talk to the service under its own name.
@@ -43,7 +43,7 @@ class Gate:
     - What changes something, or makes the service calculate, needs the role ``submit``.
     - A key of role ``agent`` opens the routes of agents, and nothing else that asks for a key.
 
-    The principal is in ``request.state.principal``, who it is more fully in ``request.state.identity``.
+    The principal is in ``request.state.principal``, the complete identity in ``request.state.identity``.
     """
 
     def __init__(self, app: ASGIApp, settings: ApiSettings, authenticator: Authenticator) -> None:
@@ -86,7 +86,7 @@ class Gate:
             unanswered.give_back(key)
 
     async def _admit(self, scope: Scope, headers: Headers) -> Identity | None:
-        """Return who asks, None for what everybody may see; raise DetailError for what is refused."""
+        """Return the sender, None for what everybody may see; raise DetailError for what is refused."""
         method, path = scope["method"], scope["path"]
         host = headers.get("host", "")
         if not self._authenticator.needed and _host_name(host) not in self._hosts:
@@ -124,13 +124,13 @@ class Gate:
 
 
 def _role_wanted(identity: Identity, method: str, path: str) -> str | None:
-    """Return the roles that a request needs, where who asks has none of them."""
+    """Return the roles that a request needs, where its sender has none of them."""
     principal = identity.principal
     if path.startswith(AGENTS):
         return None if principal.may("agent") else "'agent' or 'admin'"
     if principal.role == "agent":
         return "'read', 'submit' or 'admin'" if method in SAFE_METHODS else "'submit' or 'admin'"
-    if method in SAFE_METHODS or path == SIGN_IN[1]:  # whoever signed in may sign out
+    if method in SAFE_METHODS or path == SIGN_IN[1]:  # every session may sign out
         return None
     return None if principal.may("submit") else "'submit' or 'admin'"
 

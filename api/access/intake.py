@@ -78,7 +78,7 @@ class Intake:
                 await self._take_in(scope, headers, receive, account, body)
             except DetailError as refusal:
                 await detail_response(refusal)(scope, receive, send)
-            except _GoneError:  # nobody hears an answer; pages give up a request when the user types on
+            except _GoneError:  # the client has left; pages give up a request when the user types on
                 return
             else:
                 await self._app(scope, _again(body, account.taken, receive), send)

@@ -30,7 +30,7 @@ class RateLimiter:
         self.rate = rate
         self.burst = burst
         self._clock = clock
-        # Client: tokens, when. The longest silent, who is dropped, has a full bucket by now, or nearly so.
+        # Client: tokens, when. The longest silent one, which is dropped, has a full bucket by now, or nearly so.
         self._buckets: LRUCache[str, tuple[float, float]] = LRUCache(MOST_CLIENTS)
 
     def take(self, client: str) -> int | None:

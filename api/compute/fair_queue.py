@@ -1,4 +1,4 @@
-"""Whose turn it is: some at once, few of them the same client's, and those who wait one client after the other."""
+"""A fair queue: some requests at once, few of them of one client, and waiting clients in turn."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class FairQueue:
             await place
         except BaseException:
             if place.done() and not place.cancelled():
-                self.give_back(client)  # it was given just now, and nobody is there to use it
+                self.give_back(client)  # it was given just now, but the client has left
             self._forget(client, place)
             raise
 

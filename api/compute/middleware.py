@@ -165,7 +165,7 @@ async def _answered(process: ComputeProcess, scope: Scope, body: bytes, principa
 
 
 async def _whole_body(receive: Receive) -> bytes | None:
-    """The body of a request, limited by whoever stands before; None when the client left."""
+    """The body of a request, limited by the middleware before; None when the client left."""
     parts: list[bytes] = []
     while True:
         message = await receive()

@@ -14,7 +14,7 @@ __all__ = ["ComputePool"]
 
 
 class ComputePool:
-    """Makes processes when they are needed and keeps them; whoever takes one has it alone.
+    """Starts processes when they are needed and keeps them; a process serves one caller at a time.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class ComputePool:
         return process
 
     def put_back(self, process: ComputeProcess) -> None:
-        """Give it to whoever asks next."""
+        """Make it available to the next caller."""
         self._idle.append(process)
 
     async def discard(self, process: ComputeProcess) -> None:

@@ -41,7 +41,7 @@ GONE = frozenset(
         *("authorization", "cookie", "x-api-key", PRINCIPAL_HEADER),
     )
 )
-"""Headers that are not passed on: who asks has been found out, and the connection is another."""
+"""Headers that are not passed on: the request is authenticated, and the connection is another."""
 
 
 class EndedError(Exception):
@@ -75,7 +75,7 @@ class ComputeProcess:
                 start_new_session=True,
             )
             text = json.dumps({**given, "path": sys.path, "listener": listener.fileno()})
-        with contextlib.suppress(BrokenPipeError):  # died at once: whoever asks sees it
+        with contextlib.suppress(BrokenPipeError):  # died at once: the next request sees it
             if self._process.stdin is not None:
                 self._process.stdin.write(text.encode() + b"\n")
                 self._process.stdin.flush()

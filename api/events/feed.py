@@ -39,14 +39,14 @@ RETRY_SECONDS = 2.0
 READING_THREADS = 4
 EXISTENCE_SECONDS = 2.0  # how soon listeners learn that their job was deleted
 GATHER_SECONDS = 0.005
-PACE_SECONDS = 0.1  # between two looks that find news: of a busy job one batch tells them all
-QUIET_SECONDS = 1.0  # between two looks while the database tells of events by itself
+PACE_SECONDS = 0.1  # between two queries that find news: one batch holds all news of a busy job
+QUIET_SECONDS = 1.0  # between two queries while the database announces events
 
 T = TypeVar("T")
 
 
 MOST_GENERATIONS = 25
-"""Generations of one batch that are told to those who follow a job as it goes on."""
+"""Generations of one batch that are sent to those who follow a running job."""
 _KEPT = 8
 
 
@@ -57,7 +57,7 @@ class BatchTexts:
         self._texts: FIFOCache[tuple[int, int, int], str] = FIFOCache(_KEPT)
 
     def of(self, batch: Sequence[Event]) -> str:
-        """Return the text of a batch, written by the first who wants it."""
+        """Return the text of a batch, written at the first request."""
         key = (batch[0].id, batch[-1].id, len(batch))
         if key not in self._texts:
             self._texts[key] = "".join(map(encode_event, batch))
@@ -252,7 +252,7 @@ class EventFeed:
             batches.setdefault(job_id, []).append(event)
         for job_id, batch in batches.items():
             tail, last = watched[job_id]
-            if self._tails.get(job_id) is tail and tail.last == last:  # nobody left and came back meanwhile
+            if self._tails.get(job_id) is tail and tail.last == last:  # no client left and came back meanwhile
                 tail.add(batch)
         if len(news) < BATCH:
             for tail, _ in watched.values():

@@ -27,11 +27,11 @@ log = logging.getLogger("geoswarm.api")
 T = TypeVar("T")
 
 THREADS = 8  # that speak to the database for agents
-WOKEN = 4  # at once: who finds work wakes two more
+WOKEN = 4  # at once: each one that finds work wakes two more
 RETRY_SECONDS = 1.0
 QUIET_SECONDS = 5.0  # without work it is looked less often: after so long,
-QUIET_FACTOR, TOLD_FACTOR = 5.0, 20.0  # so many times more seldom; the second where the database tells of news
-SEEN_SHARE = 0.4  # of a lease, after which it is noted once more that those who wait are there
+QUIET_FACTOR, TOLD_FACTOR = 5.0, 20.0  # fewer queries; the second where the database announces changes
+SEEN_SHARE = 0.4  # of a lease, after which it is noted again that waiting workers are alive
 
 
 @dataclass(slots=True, eq=False)
@@ -48,10 +48,10 @@ class OpenWorkWatch:
     Parameters
     ----------
     service
-        Whose store and waker agents are served with.
+        Whose store and waker serve the agents.
     poll_seconds
-        Interval at which it is looked for work while somebody waits [s]. When there was none for a while it is longer,
-        until the database tells of news.
+        Interval between queries while a client waits [s]. Without news for a while it grows, until the database
+        announces changes.
     """
 
     def __init__(self, service: JobService, *, poll_seconds: float = 0.1) -> None:
@@ -94,7 +94,7 @@ class OpenWorkWatch:
     def nothing_for(self, offers: frozenset[str], left: float | None) -> bool:
         """Whether the last look, a moment ago, has found nothing for an agent that runs for some time yet [s].
 
-        Who waits then misses nothing: the next look is for everybody.
+        A waiting client misses nothing: the next query is for all.
         """
         recent = time.monotonic() - self._looked_at <= 2.0 * self._interval()
         return recent and not self.closed and not accepts(offers, self._work, left)
@@ -130,7 +130,7 @@ class OpenWorkWatch:
                 self._poller = None
 
     def close(self) -> None:
-        """Let nobody wait any longer; called in the event loop."""
+        """End all waiting; called in the event loop."""
         self.closed = True
         if self._listener is not None:
             self._listener.stop()

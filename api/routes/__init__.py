@@ -1,4 +1,4 @@
-"""The routes of /api/v1, /health and /metrics, one module a resource; ``findings`` has what a job tells.
+"""The routes of /api/v1, /health and /metrics, one module a resource; ``findings`` has the results of a job.
 
 ==================  ===============================================================================================
 ``administration``  for administrators: API keys, and how the installation is doing
@@ -16,7 +16,7 @@
 ``problems``        problems before they become jobs
 ``results``         what a job has found: generations, the best evaluation, all evaluations as JSON, CSV or Parquet
 ``session``         signing in: a browser gives its API key once and is known by a cookie afterwards
-``workers``         who runs forward calculations
+``workers``         processes that run forward calculations
 ==================  ===============================================================================================
 """
 

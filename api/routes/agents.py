@@ -40,7 +40,7 @@ async def _watch(request: Request) -> OpenWorkWatch:
 
 
 async def _key(service: Service) -> str:
-    """The key of who asks; that it may is decided at the gate."""
+    """The key of the sender; the gate has checked its permission."""
     return service.principal.key_id or ""
 
 
@@ -109,7 +109,7 @@ async def lease(wanted: LeaseRequest, request: Request, key: Key, watch: Watch) 
         now_asked = replace(asked, seconds=left)
         grant = None
         nothing = wanted.wait > 0 and watch.nothing_for(offers, left)
-        if not nothing and not await request.is_disconnected():  # who has left must not be given anything
+        if not nothing and not await request.is_disconnected():  # a client that has left must not be given anything
             grant = await watch.in_thread(partial(desk.lease, key, now_asked))
         if grant is not None or waited >= wanted.wait or watch.closed or await request.is_disconnected():
             return _answer({"lease": _shown(grant)})

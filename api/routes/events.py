@@ -102,7 +102,7 @@ def _start(after: int | None, last_event_id: str | None) -> int:
 
 async def _stream(feed: EventFeed, job_id: str, after: int, request: Request) -> AsyncIterator[str]:
     authenticator: Authenticator = request.app.state.authenticator
-    # A key is revoked, a session ends, the first key is made meanwhile: nobody listens on. Without keys that is quickly
+    # A key is revoked, a session ends, the first key is made meanwhile: the stream ends. Without keys that is quickly
     # known, else looked up twice a heartbeat.
     pause = 0.5 * feed.heartbeat_seconds if authenticator.needed else 0.0
     looked = time.monotonic()

@@ -18,7 +18,7 @@ router = APIRouter(prefix="/hooks", tags=["hooks"])
 
 
 async def _hooks(service: Service) -> Hooks:
-    """The hooks that the one who asks may see."""
+    """The hooks that the sender may see."""
     return Hooks(service.store, service.principal)
 
 

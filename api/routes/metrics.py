@@ -1,6 +1,6 @@
 """Metrics in the text format of Prometheus.
 
-What concerns the whole installation is read from the database at every scrape, so that any process tells the same and
+What concerns the whole installation is read from the database at every scrape, so that any process answers the same and
 none has to be scraped. What concerns requests (``geoswarm_http_*``, ``geoswarm_event_streams``) is of this process.
 """
 

@@ -1,4 +1,4 @@
-"""What goes over HTTP, as OpenAPI tells it.
+"""Bodies of requests and answers, as described in OpenAPI.
 
 ==================  ================================================================================================
 ``administration``  models for administrators: API keys, the state of the installation; hooks

@@ -102,7 +102,7 @@ class FilesOfTests(BaseModel):
 
 
 class ProblemOfTests(BaseModel):
-    """A problem with parts and observations in place of its table of tests."""
+    """A problem with parts and observations instead of its table of tests."""
 
     problem: dict[str, Any]
 

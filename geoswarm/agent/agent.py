@@ -98,7 +98,7 @@ class Frames:
             return list(self._known)
 
     def learn(self, name: str, shared: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
-        """Return what a name stands for, and remember what is told with it; None: it is not known."""
+        """Return what a name stands for, and remember what came with it; None: it is not known."""
         with self._lock:
             if shared is not None:
                 self._known[name] = shared
@@ -122,7 +122,7 @@ class Agent:
         self.terms = Terms(2.5, 10.0, ())
         self.refused = False
         self.reason: str | None = None
-        """Why it ended although nobody had asked it to."""
+        """Why it ended without a request to do so."""
         self._tell = tell
         self._until = None if options.seconds is None else time.monotonic() + options.seconds
         self._ended = threading.Event()

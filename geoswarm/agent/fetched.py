@@ -53,7 +53,7 @@ class FetchedModels:
     def update(self) -> str:
         """Fetch what is listed and not here; return what ``GEOSWARM_MODELS`` is now, with the machine's own first.
 
-        What cannot be fetched is told in the log, and tried again the next time.
+        What cannot be fetched is logged, and tried again the next time.
 
         Raises
         ------

@@ -18,7 +18,7 @@ REGISTERED = "registered"
 
 
 def built_in_kinds() -> tuple[str, ...]:
-    """Return the kinds of this package that can be used here, without those that run programs for who writes them."""
+    """Return the kinds of this package that can be used here, without those that run the author's own programs."""
     found = []
     for kind in BUILT_IN:
         if kind == REGISTERED:
@@ -43,7 +43,7 @@ def models() -> tuple[dict[str, str], dict[str, str]]:
 
 
 def announcement(agent: str, pid: int, slots: int, kinds: Collection[str] | None) -> dict[str, Any]:
-    """Return what the service is told.
+    """Return what is announced to the service.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ class Outbox:
 
 
 def _here() -> str:
-    """What tells this machine, and this boot of it where the system says so, from others that share the folder."""
+    """What distinguishes this machine, and its boot where the system names it, from others that share the folder."""
     space = ""
     with contextlib.suppress(OSError):
         space = str(Path("/proc/self/ns/pid").readlink()) + Path("/proc/sys/kernel/random/boot_id").read_text()

@@ -64,7 +64,7 @@ def main(given: Mapping[str, Any]) -> None:
 
 
 class _Runner:
-    """Makes runs, and tells what it does: a listener of :mod:`geoswarm.solver.system.activity`."""
+    """Makes runs, and reports its activity: a listener of :mod:`geoswarm.solver.system.activity`."""
 
     def __init__(self, answers: IO[bytes], log: int) -> None:
         self._answers, self._log = answers, log
@@ -81,7 +81,7 @@ class _Runner:
         try:
             spec = parse_spec(shared["forward_model"])
             if spec.runs_programs:
-                raise ValueError("it starts a program that nobody has registered here")
+                raise ValueError("it starts a program that is not registered here")
             self._spec = spec = spec.with_files(None, "forward_model")
             points = {name: np.array(x, dtype=np.float64) for name, x in shared["points"].items()}
             model = built(spec)
@@ -120,7 +120,7 @@ class _Runner:
             return ForwardOutcome({}, "bad_output", self._why, 0.0)
         try:
             return outcome_of(self._run, values, self._checked)
-        except BaseException as error:  # noqa: BLE001  a forward model may raise anything; nobody here presses Ctrl-C
+        except BaseException as error:  # noqa: BLE001  a forward model may raise anything; Ctrl-C does not come here
             if isinstance(error, SystemExit) and isinstance(error.code, int | str | None):
                 told = f"the forward model ended the program (sys.exit({error.code!r}))"
             else:
@@ -151,7 +151,7 @@ class _Runner:
         self._tell({"waits": True})
 
     def go_on(self, seconds: float) -> None:
-        """Tell that it has waited so many seconds [s]."""
+        """Report that it has waited this long [s]."""
         self._tell({"waited": seconds})
 
     def do(self, what: str) -> None:
@@ -171,7 +171,7 @@ def _arrays(given: Mapping[str, Any]) -> dict[str, FloatArray]:
 
 
 def _has_children() -> bool:
-    """Whether a run has left processes, as far as the system tells; elsewhere they end with the job object."""
+    """Whether a run has left processes, as far as the system shows; elsewhere they end with the job object."""
     if not hasattr(os, "waitid"):
         return False
     try:

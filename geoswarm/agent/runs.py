@@ -265,7 +265,7 @@ class _State:
         self._waits_since: float | None = None
 
     def note(self, answer: Mapping[str, Any], now: float) -> None:
-        """Take in what it tells."""
+        """Take in what it reports."""
         if answer:
             self.heard = now
         if "begins" in answer:

@@ -63,15 +63,15 @@ class Lease:
 class Server:
     """The service, for several threads.
 
+    Every method may raise :class:`geoswarm.agent.errors.UnreachableError` and
+    :class:`geoswarm.agent.errors.KeyRefusedError`.
+
     Parameters
     ----------
     url
         Its address, for example ``https://calibration.example.org``.
     key
         API key of role ``agent``; None for a service that asks for none.
-
-    Every method may raise :class:`geoswarm.agent.errors.UnreachableError` and
-    :class:`geoswarm.agent.errors.KeyRefusedError`.
     """
 
     def __init__(self, url: str, key: str | None, *, transport: httpx.BaseTransport | None = None) -> None:
@@ -110,7 +110,7 @@ class Server:
         Raises
         ------
         LeaseEndedError
-            Nobody wants it any more.
+            It is not wanted any more.
         """
         self._ask("POST", f"/leases/{lease_id}/beat", {})
 

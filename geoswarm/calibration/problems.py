@@ -191,7 +191,7 @@ def _read_as(section: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _needs_stopping(method: Any) -> bool:
-    """Whether a method does not end by itself; what is wrong with it is told elsewhere."""
+    """Whether a method does not end by itself; its mistakes are reported elsewhere."""
     kind = method.get("kind") if isinstance(method, Mapping) else None if method else "particle_swarm"
     try:
         return isinstance(kind, str) and find_method(kind).role == "search"

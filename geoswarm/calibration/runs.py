@@ -111,7 +111,7 @@ class Runs(Mapping[str, npt.NDArray[Any]]):
 
 
 def _fixed(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """An array that nobody changes by mistake: it is given to all who ask."""
+    """A read-only array: all callers share it."""
     array.flags.writeable = False
     return array
 

@@ -32,7 +32,7 @@ from geoswarm.solver.system.environment import same_bits
 __all__ = ["cli", "main"]
 
 OBJECTS_BETWEEN_COLLECTIONS, OBJECTS_OF_A_START = 50_000, 250_000
-"""In place of Python's 700: looking for garbage among what imports leave would take a tenth of a short command, and
+"""Instead of Python's 700: looking for garbage among what imports leave would take a tenth of a short command, and
 once more when it ends."""
 
 

@@ -152,7 +152,7 @@ def serve_command(
     settings = Settings.from_environment(database_url=database, broker_url=broker, workers=workers, **group)
     prepare("serve", log_level, log_format, settings)
     api_settings = ApiSettings.from_environment(api_key=api_key)
-    if not settings.broker_url:  # with one, an unreachable broker is told first
+    if not settings.broker_url:  # with one, an unreachable broker is reported first
         refuse_open_door(host, api_key, settings)
     listener = bind(host, port)  # before the engine: a port in use must not start workers
     try:
@@ -191,7 +191,7 @@ def leave_at_last(seconds: float) -> None:
 
 
 def leave_busy_threads() -> None:
-    """End the process when a request that nobody waits for any more still occupies a thread; else return."""
+    """End the process when an abandoned request still occupies a thread; else return."""
     deadline = time.monotonic() + LAST_SECONDS
     busy = [thread for thread in threading.enumerate() if thread.name.startswith(REQUEST_THREAD)]
     for thread in busy:

@@ -9,7 +9,7 @@
 ``errors``          the tree of errors
 ``follow``          when to reconnect to an event stream, when to give up
 ``sse``             reads an event stream
-``administration``  records of operations, for administrators, and of who one is
+``administration``  records of operations, for administrators, and of the caller
 ``bodies``          records of bodies: the mesh of an evaluation, what was measured on it, and how it moves
 ``points``          evaluations of a job as arrays, from the block of float32 that plots use
 ``files``           files that appear only when they are complete

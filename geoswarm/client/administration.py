@@ -1,4 +1,4 @@
-"""Records of operations, for administrators, and of who one is."""
+"""Records of operations, for administrators, and of the caller."""
 
 from __future__ import annotations
 

@@ -109,7 +109,7 @@ class _Head:
 
 
 def read_points(response: httpx.Response) -> Points:
-    """Read ``application/vnd.geoswarm.points``: a length, a JSON object of so many bytes, columns of float32.
+    """Read ``application/vnd.geoswarm.points``: a length, a JSON object of that length, columns of float32.
 
     Raises
     ------

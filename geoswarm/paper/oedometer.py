@@ -52,7 +52,7 @@ def run_oedometer(document: dict[str, Any], seeds: Sequence[int], tell: Tell) ->
     seeds
         Of the samplings; the first also of the swarm.
     tell
-        Is told what is going on.
+        Called with a line of progress.
     """
     published = OEDOMETER
     tell("A: laboratory values, forward")

@@ -75,7 +75,7 @@ def run_slope(
     seeds
         The first one is that of sampling and swarm.
     tell
-        Is told what is going on.
+        Called with a line of progress.
     samples, runs
         Forward runs of the sampling and of the swarm.
     workers

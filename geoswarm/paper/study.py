@@ -207,7 +207,7 @@ def coordinates_row(sampling: Sampling, published: Mapping[tuple[str, str], floa
 
 
 def _among(values: FloatArray, published: float) -> bool:
-    """Whether a published correlation, of two decimals, lies in the middle 90 % of the seeds."""
+    """Whether a published correlation, of two decimals, is within the middle 90 % of the seeds."""
     finite = values[np.isfinite(values)]
     low, high = np.quantile(finite, [0.05, 0.95]) if finite.size else (np.nan, np.nan)
     return bool(low <= published + _ROUNDING and published - _ROUNDING <= high)

@@ -14,7 +14,7 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``uncertainty``  what its follow-ups have found, a sample of the posterior
 ``arrays``       how arrays are read and written
 ``progress``     how far a job is within its generation, and what its follow-ups would cost
-``worker``       who runs forward calculations
+``worker``       processes that run forward calculations
 ``account``      what an owner sets up in a service: API keys with their roles, hooks
 ``history``      what happens to a job: events, and the cycles of its search
 ===============  ==========================================================================

@@ -50,7 +50,7 @@ class Job:
     search_best: SearchBest | None = described("best of the search alone, where further runs followed it", default=None)
     evaluations: int = described("counted in finished generations")
     search_evaluations: int | None = described("of the search, once it has ended and its answer follows", default=None)
-    answer_evaluations: int | None = described("at most so many follow the search", default=None)
+    answer_evaluations: int | None = described("upper bound of the evaluations after the search", default=None)
     generations: int
     failed_evaluations: int
     created_at: datetime

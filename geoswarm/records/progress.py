@@ -21,7 +21,7 @@ class Progress:
     objective: Number = described("lowest objective so far, that of this generation included")
     evaluations: int = described("finished and failed runs of all generations, this one included")
     search_evaluations: int | None = described("of the search, once it has ended and its answer follows", default=None)
-    answer_evaluations: int | None = described("at most so many follow the search", default=None)
+    answer_evaluations: int | None = described("upper bound of the evaluations after the search", default=None)
     seconds: Number = described("recent mean time of a run; null before one has finished")
     workers: int = described("live workers that are free or run this job")
     seconds_left: Number = described(
@@ -37,7 +37,7 @@ class FollowUpCost:
         "again: the search as it was"
     )
     evaluations: int
-    exact: bool = described("false: about so many, as the search for the minimum and for steps decides")
+    exact: bool = described("false: an estimate, as the search for the minimum and for steps decides")
     seconds: Number = described("mean time of a run of the job times runs, shared by the free workers; null: not known")
     refused: str | None = described("why it cannot be submitted now; null: it can")
 

@@ -130,7 +130,7 @@ class CandidateWorth:
     widths: float = described("of all intervals, the geometric mean")
     volume: float = described("of the common region, its d-th root")
     prediction: Number = described("of the predicted band")
-    distinguishes: Number = described("probability that it tells the nearest two basins apart; null with one")
+    distinguishes: Number = described("probability that it distinguishes the nearest two basins; null with one")
     per_cost: Number = described("decrease of log width by the criterion for each unit of cost")
 
 

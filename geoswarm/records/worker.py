@@ -1,4 +1,4 @@
-"""Who runs forward calculations."""
+"""Processes that run forward calculations."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def check(
 class Curve:
     """Ours as a line, the reference as markers; each may be left out.
 
-    ``label`` tells it from the other curves of its plot; shapes (n,) and (m,).
+    ``label`` distinguishes it from the other curves of its plot; shapes (n,) and (m,).
     """
 
     label: str

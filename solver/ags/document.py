@@ -240,7 +240,7 @@ def _fixed(law: Law, shear: Sequence[ShearTest]) -> tuple[dict[str, float], list
     if not shear and {*_STRENGTH} <= infos.keys():
         fixed |= {"c": 0.0, "phi": middle(infos["phi"])}
         notes.append(
-            f"c and phi are fixed (c 0 kPa, phi {fixed['phi']:g} degree): compression in a ring hardly tells them; "
+            f"c and phi are fixed (c 0 kPa, phi {fixed['phi']:g} degree): compression in a ring does not show them; "
             "give known values"
         )
     if "mu_star" in infos:

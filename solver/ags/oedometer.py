@@ -85,7 +85,7 @@ def _past(test: CompressionTest, law: Law, start: float) -> dict[str, dict[str, 
     largest = max(one.stress for one in test.increments)
     own: dict[str, dict[str, Any]] = {}
     e0 = _plain(test.void_ratio)
-    if "e0" in names and law.contradiction({"e0": e0, "OCR": 2.0}) is not None:  # the void ratio tells the past
+    if "e0" in names and law.contradiction({"e0": e0, "OCR": 2.0}) is not None:  # the void ratio follows from the past
         return {"e0": {"value": e0}}
     if "POP" in names:
         own["POP"] = {"lower": 0.0, "upper": rounded_up(largest)}

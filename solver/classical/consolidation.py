@@ -37,7 +37,7 @@ _FINE = 2001
 
 @dataclass(frozen=True, slots=True)
 class Consolidation:
-    """What one stage tells.
+    """Results of one stage.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ WATER: Final = 9.81
 """Unit weight of water, kN/m³."""
 
 _SEEN = 0.01
-"""Least pore pressure over the total stress that a coefficient of consolidation is told from."""
+"""Least pore pressure over the total stress needed for a coefficient of consolidation."""
 
 
 @dataclass(frozen=True, slots=True)

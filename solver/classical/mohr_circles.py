@@ -13,7 +13,7 @@ from geoswarm.solver.classical.curves import NoEvaluationError
 __all__ = ["Strength", "mohr_circles"]
 
 _ALIKE = 0.02
-"""Least range of the centres, over their mean, that a slope is told from."""
+"""Least range of the centres, over their mean, needed for a slope."""
 
 
 @dataclass(frozen=True, slots=True)

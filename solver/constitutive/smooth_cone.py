@@ -6,7 +6,7 @@ Compression positive, principal stresses sorted, largest first. With p, q, c = c
     f = q S(c) - slope p - strength <= 0,   S = cos(arccos(-b c)/3) / cos(arccos(-b)/3)
     -sigma_i <= tension                     tension cut-off, associated flow
 
-Plastic flow is that of the same cone with psi in place of phi.
+Plastic flow is that of the same cone with psi instead of phi.
 
 - Drucker-Prager (Drucker & Prager 1952): b = 0, a circle in the deviatoric plane. ``slope`` and ``strength`` are those
   with which it has the strength of Mohr-Coulomb in triaxial compression, in triaxial extension, or in plane strain.

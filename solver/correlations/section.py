@@ -17,7 +17,7 @@ _LIMITS = ("liquid_limit", "plastic_limit", "plasticity_index", "water_content")
 
 
 def _per_cent(lowest: float, highest: float) -> dict[str, Any]:
-    """What forms are told of a field."""
+    """What forms know of a field."""
     return {"x-unit": "%", "x-typical": [lowest, highest]}
 
 

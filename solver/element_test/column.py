@@ -15,7 +15,7 @@ points, with one equation for each, in which its neighbours take part.
 Three ways to lead the top: :data:`BY_SETTLEMENT` and :data:`BY_STRESS` have a point on it, whose pore pressure is
 zero; then a parabola of u is exact for equal intervals. :data:`BY_LOAD` has the last point half a cell below it.
 
-Steps are told in :mod:`geoswarm.solver.element_test.column_steps`.
+Steps are described in :mod:`geoswarm.solver.element_test.column_steps`.
 """
 
 from __future__ import annotations

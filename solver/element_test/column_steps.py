@@ -1,6 +1,6 @@
 """Error-controlled steps of a consolidating column of points.
 
-A step is taken as one, two and four substeps; what follows is told in :mod:`geoswarm.solver.element_test.advance`.
+A step is taken as one, two and four substeps; what follows is described in :mod:`geoswarm.solver.element_test.advance`.
 """
 
 from __future__ import annotations

@@ -195,7 +195,7 @@ def follow_movement(
     tolerance
         Error aimed at in each step, as strain, of stress over the bulk modulus.
     check
-        Is told the name of the stage and the strains (j,) now and then, and raises what is wrong with them.
+        Called now and then with the name of the stage and the strains (j,); raises what is wrong with them.
     first
         Length to try first, as a part of the stage.
 

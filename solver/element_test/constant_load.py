@@ -257,7 +257,7 @@ def constant_load_history(
                     error = max(error, _KINK_SHARE * scale * abs(new_lat - lateral))
                 factor = 0.9 * (local / error) ** (1.0 / 3.0) if error > 0.0 else 5.0
                 # d strain/d s at both ends, times the length of the step: at this very state, or under way. Long steps
-                # in s (large beta) pass the transient between the two at once; the smoother cubic tells which holds.
+                # in s (large beta) pass the transient between the two at once; the smoother cubic shows which holds.
                 speed, end_speed, bulge = _end_speeds(
                     soil.mu_star * length,
                     math.exp(new_rate - log_rate + length),

@@ -101,7 +101,7 @@ def _with_early(observation: Observation) -> Observation:
 
 
 def calculated_problem(problem: Problem, responses: Mapping[str, FloatArray]) -> Problem:
-    """The problem with calculated values, shape (m_g,) a series, in place of its readings."""
+    """The problem with calculated values, shape (m_g,) a series, instead of its readings."""
     none = np.empty(0)
     observations = tuple(
         replace(one, y=responses[one.series], early_x=none, early_y=none) for one in problem.observations

@@ -116,7 +116,7 @@ def layers_of(spec: ForwardModelSpec, model: ForwardModel) -> tuple[TestOfLaw, .
     for part in parts_of(spec, model):
         names = [info.name for info in part.model.parameters]
         for layer, index in part.spec.index_properties_of_soils.items():
-            soil: Any = part.spec.soils[layer]  # type: ignore[attr-defined]  # who has index properties of soils has them
+            soil: Any = part.spec.soils[layer]  # type: ignore[attr-defined]  # index properties belong to soils
             start = f"{layer}."
             own = tuple(name.removeprefix(start) for name in names if name.startswith(start))
             found.append(

@@ -35,7 +35,7 @@ __all__ = ["Proposed", "candidates_of", "of_correlation", "proposed", "with_para
 _FACTOR = 2.0
 """Bounds of indices, moduli and permeabilities: this factor beyond the smallest and the largest candidate."""
 _ANGLE = 5.0
-"""Bounds of angles: so many degrees beyond them."""
+"""Bounds of angles lie this far beyond them [degree]."""
 _VOIDS, _OF_VOIDS = ("e_d0", "e_c0", "e_i0", "N"), 1.15
 """Bounds of limiting void ratios and specific volumes: this factor beyond the smallest and the largest candidate."""
 _PAST = ("OCR", "POP")
@@ -69,7 +69,7 @@ def with_parameters(document: dict[str, Any]) -> dict[str, Any]:
         spec = parse_spec(document.get("forward_model"))
         model = built(spec)
     except (ValidationError, SolverError, ValueError):
-        return document  # who reads it tells what is wrong
+        return document  # reading it reports what is wrong
     infos = {info.name: info for info in model.parameters}
     found: dict[str, dict[str, Any]] = {}
     for test in (*soils_of(spec, model), *layers_of(spec, model)):
@@ -126,7 +126,7 @@ def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
 def _gather(
     found: dict[str, list[Candidate]], problem: Problem, test: TestOfLaw, told: Iterable[tuple[str, Candidate]]
 ) -> None:
-    """Put what is told of a test's parameters under their names, each candidate once."""
+    """Put the candidates of a test's parameters under their names, each once."""
     for name, candidate in told:
         candidates = found.setdefault(full_name(problem, test, name), [])
         if candidate not in candidates:

@@ -23,9 +23,9 @@ __all__ = ["Sheared", "sheared_specimen", "triaxial_construction", "triaxial_val
 _REFERENCE = 100.0
 """kPa: stress of reference moduli, as usual."""
 _APART = 1.3
-"""Least ratio of the largest to the smallest radial stress that a power of stress is told from."""
+"""Least ratio of the largest to the smallest radial stress needed for a power of stress."""
 _NEAR = 0.95
-"""Part of the strength above which the volumetric strain tells the dilatancy at failure."""
+"""Part of the strength above which the volumetric strain gives the dilatancy at failure."""
 _FAR, _STILL, _RATE = 0.1, 0.03, 0.05
 """Least axial strain of a critical state; largest changes of p' and q/p', and of the volume, over its last quarter."""
 _ALIKE = 0.05

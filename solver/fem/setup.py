@@ -206,7 +206,7 @@ def edge_owners(mesh: Mesh, edges: IndexArray) -> tuple[IntArray, IntArray]:
         return np.empty(0, dtype=np.int64), np.empty((0, 3), dtype=np.int64)
     known = {int(mid) for mid in edges[:, 2]}
     sides: dict[tuple[int, int, int], int] = {}
-    # A mid-side node inside the body belongs to two triangles; the edge's direction tells which one is meant.
+    # A mid-side node inside the body belongs to two triangles; the edge's direction shows which one is meant.
     for e in np.flatnonzero(np.isin(mesh.triangles[:, 3:], edges[:, 2]).any(axis=1)).tolist():
         triangle = mesh.triangles[e]
         for a, b, m in ((0, 1, 3), (1, 2, 4), (2, 0, 5)):

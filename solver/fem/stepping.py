@@ -22,7 +22,7 @@ from geoswarm.solver.fem.strength import Begin, Strength, associated, missing_st
 __all__ = ["PhaseSteps", "Recorder", "Work"]
 
 Recorder: TypeAlias = Callable[[float, FloatArray], None]
-"""Is told the moment and the displacements (2 n,) since the beginning of the phase."""
+"""Called with the time and the displacements (2 n,) since the beginning of the phase."""
 
 _EASY: Final = 6
 """Iterations up to which the next step may be longer."""
@@ -220,7 +220,7 @@ class PhaseSteps:
         """Let time pass.
 
         Steps are taken in s = ln(1 + t/theta), in which creep under constant stress is a straight line. How far a
-        step's end is from the extrapolation of the one before tells its error.
+        step's end is from the extrapolation of the one before gives its error.
 
         Parameters
         ----------

@@ -86,7 +86,7 @@ def _turn_all(state: FloatArray, c: float, s: float, tensors: IntArray, shear: F
 
 @kernel
 def _mix(share: float, bulk: float, shear: float, C: FloatArray) -> None:
-    """Put a share of an elastic stiffness in place of a tangent (4, 4)."""
+    """Replace a tangent (4, 4) by a share of an elastic stiffness."""
     lame = bulk - 2.0 / 3.0 * shear
     for i in range(4):
         for j in range(4):

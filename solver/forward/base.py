@@ -322,7 +322,7 @@ class ForwardModelSpec(BaseModel, ABC):
         return text
 
     def with_files(self, folder: Path | None, path: str) -> ForwardModelSpec:
-        """Return the section with the contents of its files in place of their names.
+        """Return the section with the contents of its files instead of their names.
 
         Parameters
         ----------

@@ -52,7 +52,7 @@ class FiniteElementSpec(BodySections, ForwardModelSpec):
         }
 
     def with_files(self, folder: Path | None, path: str) -> FiniteElementSpec:
-        """The section with the mesh itself in place of the name of its file, and what is known of libraries."""
+        """The section with the mesh itself instead of the name of its file, and what is known of libraries."""
         found = super().with_files(folder, path)
         mesh = found.mesh.with_tables(folder, f"{path}.mesh")
         return found if mesh is found.mesh else found.model_copy(update={"mesh": mesh})

@@ -71,7 +71,7 @@ def _in_a_copy(run: ForwardRun, parameters: Mapping[str, float]) -> dict[str, Fl
         try:
             die_with_parent()
             os.close(receiving)
-            faulthandler.disable()  # a crash is told by who waits for this copy
+            faulthandler.disable()  # the process that waits for this copy reports a crash
             os.dup2(2, 1)  # what a routine prints is no part of the answer of a command
             _write(sending, _answer(run, parameters))
             os.close(sending)

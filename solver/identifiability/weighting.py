@@ -73,7 +73,7 @@ def scheme_weights(
     Parameters
     ----------
     noise
-        Standard deviation of a reading of each series, base units; needed by ``by_error`` unless the problem tells it.
+        Standard deviation of a reading of each series, base units; needed by ``by_error`` unless the problem has it.
 
     Raises
     ------

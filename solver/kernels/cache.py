@@ -72,7 +72,7 @@ def cache_folder(solver: Path = SOLVER) -> Path:
 def settle() -> Path | None:
     """Return the folder in which this process and those that it starts keep compiled kernels; None: there is none.
 
-    A temporary folder is told in one line of the log, by the first process that needs it.
+    The first process that needs a temporary folder logs it in one line.
     """
     given, own = os.environ.get(VARIABLE), cache_folder()
     wanted = [_below(Path(given), own.name) if given else own]
@@ -140,7 +140,7 @@ def _take_over(compiled: Path, folder: Path) -> None:
         return
     with contextlib.suppress(OSError):
         folder.parent.mkdir(parents=True, exist_ok=True)
-        draft = Path(tempfile.mkdtemp(dir=folder.parent))  # whoever finds the folder finds it whole
+        draft = Path(tempfile.mkdtemp(dir=folder.parent))  # the folder appears complete
         try:
             for source in compiled.rglob("*"):
                 if source.is_file() and source.suffix != _LOCK.suffix:

@@ -14,7 +14,7 @@ from geoswarm.solver.forward.diagram import Derived, Diagram
 __all__ = ["is_timed", "over_strain", "shear_modulus_diagram"]
 
 _SMALL: Final = 1.0e-3
-"""Shear strain: where none as small was read, the diagram tells less than the curve of stress over strain."""
+"""Shear strain: where none as small was read, the diagram shows less than the curve of stress over strain."""
 
 
 def over_strain(stress: FloatArray, strain: FloatArray) -> FloatArray:

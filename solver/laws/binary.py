@@ -9,7 +9,7 @@
 is positive, stress in kPa, strain an increment with engineering shear, ``log_time`` = ln(time increment/day), -inf for
 none: creep laws meet times down to exp(-10 000) day, which are no numbers. ``stress``, ``state`` and ``strain`` stay
 as they are; ``new_stress``, ``new_state`` and ``tangent`` (components x components, d new stress/d strain, row by row)
-are filled. The result is 0 or above (0: below every limit; otherwise a number that tells limits apart), or -1 where
+are filled. The result is 0 or above (0: below every limit; otherwise a number for each limit), or -1 where
 the law has no stress for this step: it is too large.
 
 A calculation receives the address as a number with its data and calls it; nothing of a law is compiled into it, and no

@@ -79,7 +79,7 @@ def kinds() -> tuple[str, ...]:
 
 
 def installed_laws() -> tuple[Law, ...]:
-    """Laws that are installed and can be loaded; what cannot is told in the log."""
+    """Laws that are installed and can be loaded; what cannot is logged."""
     found = []
     for kind in kinds():
         try:

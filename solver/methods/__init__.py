@@ -2,7 +2,7 @@
 
 ==========================  =========================================================================================
 ``base``                    what every method declares
-``widths``                  how many runs a generation has, where nobody says so
+``widths``                  how many runs a generation has, where the problem does not say so
 ``registry``                finds built-in methods and those of other packages
 ``particle_swarm``          a search
 ``differential_evolution``  a search

@@ -72,7 +72,7 @@ class Maker(Protocol):
     """Makes the search of one job, new or from a snapshot; keeps what all of them share."""
 
     def start(self, slots: int) -> Search:
-        """Begin the search, while so many evaluations can run at once."""
+        """Begin the search; this number of evaluations can run at once."""
 
     def restore(self, snapshot: Snapshot) -> Search:
         """Go on with the search that gave a snapshot, bit for bit alike."""
@@ -207,7 +207,7 @@ class FollowUpMethod(Method):
     compares: ClassVar[bool] = True
     """Whether its evaluations are compared with readings, so that objectives mean something."""
 
-    if TYPE_CHECKING:  # each declares the field where it stands in its section
+    if TYPE_CHECKING:  # each declares the field at its place in the section
         of: str | None
 
     def end_reason(self, search: Search, evaluations: int, *, over: bool) -> str | None:  # noqa: ARG002  others need it

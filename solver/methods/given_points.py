@@ -27,7 +27,7 @@ class GivenPointsMethod(FollowUpMethod):
 
     compares: ClassVar[bool] = False
 
-    if TYPE_CHECKING:  # each declares the field where it stands in its section
+    if TYPE_CHECKING:  # each declares the field at its place in the section
         points: dict[str, list[float]]
 
     def planned(self, free: int) -> int | None:  # noqa: ARG002  (the form of all methods)

@@ -58,7 +58,7 @@ NEXT = Next()
 
 
 def wide(slots: int, *, quick: bool) -> int:
-    """Return how many runs a generation has on so many slots: some more where a run costs less than a proposal."""
+    """Return how many runs a generation has on a number of slots: some more where a run costs less than a proposal."""
     return min(max(slots, LEAST_QUICK if quick else 1), MOST)
 
 
@@ -72,7 +72,7 @@ def overlapping(slots: int) -> int:
 
 
 def share_waited(lengths: Sequence[float], slots: int) -> float:
-    """Return the share of the slots' time that is spent waiting for the last run of generations of so many runs.
+    """Return the share of the slots' time that is spent waiting for the last run of generations of this size.
 
     Examples
     --------

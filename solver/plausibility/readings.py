@@ -32,7 +32,7 @@ _NOTHING = 0.1
 """Part of that least strain below which readings cannot be those of a soil."""
 _VOID_RATIO = (0.05, 15.0)
 _NEGATIVE = 3.0
-"""The lowest reading is negative, and so many times as far from zero as the highest."""
+"""The lowest reading is negative, and this many times as far from zero as the highest."""
 _STRESSES, _USUAL_STRESSES = (1.0e-3, 1.0e3), (0.02, 20.0)
 """Largest stress that is read over the largest one that is applied: what is possible, and what is usual."""
 _SHEARED, _STRENGTHS, _USUAL_STRENGTHS = 0.01, (0.06, 30.0), (0.06, 5.0)

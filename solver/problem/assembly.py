@@ -319,7 +319,7 @@ class _Assembly:
             return ()
         complete: list[tuple[str, ObservationSection, Points]] = []
         for index, section in enumerate(sections):
-            if len(self.issues) > _MOST_ISSUES:  # nobody reads more, and each takes time to put into words
+            if len(self.issues) > _MOST_ISSUES:  # more are not read, and each takes time to put into words
                 break
             path = f"observations[{index}]"
             checked = self._validated(ObservationSection, section, path)

@@ -99,7 +99,7 @@ def number(value: float) -> str:
 
 
 def describe(value: Any) -> str:
-    """A value as it stands in the file, shortened."""
+    """A value as written in the file, shortened."""
     match value:
         case None:
             return "null"

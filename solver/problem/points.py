@@ -54,7 +54,7 @@ class Points:
     ``independent`` is the number of independent readings that these are worth, ``range`` the largest less the smallest
     of them; None: not known. ``inputs`` are further quantities at the points, by name. ``gross_errors`` are the places
     of those that are shown and do not count, ``notes`` say what was done to the readings. ``x_heading`` and
-    ``y_heading`` are those of the file that they were read from; ``by_load``: it had loads in place of stages.
+    ``y_heading`` are those of the file that they were read from; ``by_load``: it had loads instead of stages.
     """
 
     x: list[float]
@@ -233,7 +233,7 @@ def points_of_file(
 
 
 def _sign_issue(section: ObservationSection, heading: Heading) -> Sentence | None:
-    """Whether a heave is read as a settlement or a strain, which has the other sign, and nobody said so."""
+    """Whether a heave is read as a settlement or a strain, which has the other sign, without a word of the user."""
     if "y_factor" in section.model_fields_set or not is_heave(heading.name):
         return None
     if _DOWNWARDS.search(section.series) is None:

@@ -147,7 +147,7 @@ class Problem:
         return min((n for n in (limit, planned) if n is not None), default=None)
 
     def left_to_answer(self, limit: int) -> int:
-        """Return how many of so many evaluations the search leaves to the runs after it."""
+        """Return how many of these evaluations the search leaves to the runs after it."""
         return self.answer.share_of(limit, len(self.free), learns=self.method.learns) if self.answers else 0
 
     def values(self, free_values: Sequence[float]) -> dict[str, float]:

@@ -86,13 +86,13 @@ class Answering(BaseModel):
     )
 
     def most(self, free: int, search: int, *, quick: bool = False) -> int:
-        """Return the largest number of runs after a search of so many evaluations."""
+        """Return the largest number of runs after a search of this number of evaluations."""
         if self.max_evaluations == "auto":
             return max(search // 3, 5 * free, _QUICK_RUNS if quick else 0)
         return 0 if self.max_evaluations == "off" else self.max_evaluations
 
     def share_of(self, limit: int, free: int, *, learns: bool) -> int:
-        """Return how many of so many evaluations of a job its search leaves to the runs after it.
+        """Return how many of a job's evaluations its search leaves to the runs after it.
 
         A quarter at most. A search that learns has a response surface, from which less is left to find.
         """
@@ -105,7 +105,7 @@ class Answering(BaseModel):
 
 
 def least_answer(free: int) -> int:
-    """Return the number of runs that the sensitivities to so many free parameters take: differences of two sizes."""
+    """Return the number of runs for the sensitivities to a number of free parameters: differences of two sizes."""
     return 4 * free + 1
 
 

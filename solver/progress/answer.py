@@ -89,7 +89,7 @@ class Answer:
         return {"objective": self.objective, "parameters": problem.values([at[name] for name in problem.free_names])}
 
     def plan(self) -> dict[str, Any]:
-        """Return what tells how its evaluations are read, as plain JSON values, without the states of searches."""
+        """Return how its evaluations are read, as plain JSON values, without the states of searches."""
         parts = [{key: value for key, value in asdict(part).items() if key != "snapshot"} for part in self.parts]
         return {"most": self.most, "objective": self.objective, "parts": parts}
 

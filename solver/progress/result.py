@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 _TELLING = 5
-"""So many runs with one objective are no chance."""
+"""This number of runs with one objective is no coincidence."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -124,6 +124,6 @@ def satisfied_reasons(criteria: Sequence[StopCriterion], status: SwarmStatus) ->
 
 
 def evaluations_left(criteria: Sequence[StopCriterion], evaluations: int) -> int | None:
-    """Return how many evaluations may follow so many, None: any number."""
+    """Return how many evaluations may follow these, None: any number."""
     limits = [criterion.limit - evaluations for criterion in criteria if isinstance(criterion, MaxEvaluations)]
     return min(limits, default=None)

@@ -19,7 +19,7 @@ def registered_models() -> Iterator[tuple[str, Declaration]]:
         try:
             yield name, read_declaration(find_folder(name))
         except ProblemError:
-            continue  # `geoswarm models list` tells the operator
+            continue  # `geoswarm models list` reports it to the operator
 
 
 def section_schema(name: str, declaration: Declaration) -> dict[str, Any]:

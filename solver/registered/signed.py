@@ -1,6 +1,6 @@
 """The signed list of registered models that a service hands out: which files each consists of, and that it is genuine.
 
-The list is signed by who looks after the models, with a secret that agents know and the service does not: whoever has
+The list is signed by the operator of the models, with a secret that agents know and the service does not: whoever has
 taken over the service, or stands between it and the agents, cannot make them run anything else.
 """
 
@@ -99,7 +99,7 @@ class SignedList:
     Parameters
     ----------
     signed_at
-        When it was signed, by the clock of who did [s since 1970]: a later list takes the place of an earlier one.
+        When it was signed, by the signer's clock [s since 1970]: a later list replaces an earlier one.
     """
 
     def __init__(self, content: str, signature: str, signed_at: int, models: Mapping[str, ListedModel]) -> None:
@@ -121,7 +121,7 @@ class SignedList:
         Parameters
         ----------
         secret
-            With which it was signed; None: who reads it only passes it on, and does not know whether it is genuine.
+            With which it was signed; None: the reader only passes it on, without knowing whether it is genuine.
 
         Raises
         ------

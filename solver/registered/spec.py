@@ -43,7 +43,7 @@ class RegisteredSpec(ForwardModelSpec):
     kind: Literal["registered"] = "registered"
     model: Annotated[str, Field(pattern=NAME)] = Field(description="Name of the model.")
     settings: dict[SettingName, Given] = Field({}, max_length=100, description="Settings that the model declares.")
-    # What a canonical problem has beside, so that its results can be read where the model is not: nobody writes it.
+    # Only in canonical problems, so that results can be read where the model is not; users do not write it.
     version: SkipJsonSchema[Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None] = Field(
         None, description="SHA-256 of the model's files"
     )
@@ -59,7 +59,7 @@ class RegisteredSpec(ForwardModelSpec):
         """Those of the section that the operator has declared; none where the model is not here or is broken."""
         try:
             return parse_spec(read_declaration(find_folder(self.model)).forward_model).kernels
-        except (SolverError, OSError, ValueError):  # what is wrong is told by who builds it
+        except (SolverError, OSError, ValueError):  # building it reports what is wrong
             return frozenset()
 
     def with_files(self, folder: Path | None, path: str) -> RegisteredSpec:

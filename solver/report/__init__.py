@@ -1,14 +1,14 @@
 """Figures, tables and reports from results.
 
 ===============  =====================================================================================================
-``record``       what a report tells of a run, wherever it was
+``record``       contents of a report, wherever the run was
 ``curves``       measured and calculated series in the units that the user gave; which points of long ones are drawn
 ``laboratory``   parameters as laboratories know them; ``compression`` the tests that they are read from
 ``uncertainty``  what follow-ups and a posterior sample have found
 ``jsonable``     any of these as JSON
 ``folder``       the files of ``geoswarm run --output``, written and read again
 ``figures``      one module a figure (matplotlib), palette and sizes
-``document``     what stands in a report, as HTML and PDF (need the ``plots`` extra)
+``document``     contents of a report, as HTML and PDF (need the ``plots`` extra)
 ``compared``     another set of parameters, such as a published one, beside the result of a run
 ``compression``  the compression curve of a laboratory test: void ratio, or strain, at the ends of the stages over log
                  stress

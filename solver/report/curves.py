@@ -114,7 +114,7 @@ def series_curves(
         Calculated values at the measured points, shape (m_g,), base units.
     values
         Value of every parameter; the curve between the points is calculated with them. Where that calculation fails,
-        the curve joins the calculated points, as it does for programs of the user's, which nobody watches here.
+        the curve joins the calculated points, as it does for the user's programs, which are not watched here.
     initial
         Value of every parameter of the estimate to start from; a second curve where that calculation succeeds.
     """
@@ -141,7 +141,7 @@ def series_curves(
 def initial_values(problem: Problem) -> dict[str, float] | None:
     """Return the estimate to start from, all parameters; None when the problem gives no ``initial`` value at all.
 
-    A free parameter without one stands in the middle of its bounds, in the coordinate it is searched in.
+    A free parameter without one is in the middle of its bounds, in its search coordinate.
     """
     if all(p.initial is None for p in problem.free):
         return None

@@ -8,7 +8,7 @@ With e_0 the void ratio before the test and ln 10 = 2.303:
   proportion than the vertical one, so there is no single relation: elasticity gives ``d eps = kappa* (1 + nu_ur) /
   ((1 - nu_ur) (1 + 2 K)) d ln(sigma_v)`` at the stress ratio K. Here K = 1 is taken, the mean of an unloading:
   ``Cs = ln 10 kappa* (1 + e_0) (1 + nu_ur) / (3 (1 - nu_ur))``. The manual's ``kappa* = 2 Cs / (2.3 (1 + e_0))`` is the
-  same with 0.5 in place of 0.45 (nu_ur = 0.15).
+  same with 0.5 instead of 0.45 (nu_ur = 0.15).
 - ``sigma_p``: the vertical stress, with the horizontal one K0nc times it (or the all-round stress), whose equivalent
   pressure is the initial p_p. With POP it is the initial stress plus POP; with OCR and without cohesion OCR times it.
 

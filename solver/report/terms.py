@@ -28,7 +28,7 @@ def values_in_terms(
     values, linearisation
         Value of every parameter, and what gives the intervals.
     beside
-        Symbols that something stands beside. They are told in any case; others where the parameter is not fixed and has
+        Symbols with something beside them. They are shown in any case; others where the parameter is not fixed and has
         another name in the laboratory.
     """
     found = list(laboratory_values(problem, values, linearisation))

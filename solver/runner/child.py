@@ -117,7 +117,7 @@ class _Child:
                 evaluation = Evaluation(position, None, {}, {}, "bad_output", self._why, 0.0)
             else:
                 evaluation = evaluate(self._calibration, position, fields)
-        except BaseException as error:  # noqa: BLE001  a forward model may raise anything; nobody here presses Ctrl-C
+        except BaseException as error:  # noqa: BLE001  a forward model may raise anything; Ctrl-C does not come here
             seconds = time.monotonic() - began
             evaluation = Evaluation(position, None, {}, {}, "bad_output", _what_it_raised(error), seconds)
         log = None
@@ -143,7 +143,7 @@ class _Child:
 
 
 def _identity(connection: socket.socket) -> tuple[int, int] | None:
-    """Return what tells a socket from all other files; None: it is closed."""
+    """Return what distinguishes a socket from all other files; None: it is closed."""
     try:
         found = os.fstat(connection.fileno())
     except (OSError, ValueError):  # no descriptor, or -1

@@ -108,7 +108,7 @@ class Evaluator(Protocol):
         unwanted
             How long the evaluation under way may still take [s], None: it is wanted. No other is begun.
         fields
-            Part whose displacement fields are wanted in place of responses, see
+            Part whose displacement fields are wanted instead of responses, see
             :mod:`geoswarm.solver.runner.fields`; None: responses.
 
         Raises
@@ -138,7 +138,7 @@ class InlineEvaluator:
         self.loaded.add(group)
 
     def import_models(self, kinds: Collection[str], unwanted: Callable[[], bool]) -> None:
-        """Do nothing: whoever has read a problem has imported them."""
+        """Do nothing: reading the problem has imported them."""
 
     def build(self, job_id: str, document: Mapping[str, Any], seed: int, limits: RunLimits) -> None:
         """Do nothing."""
@@ -170,7 +170,7 @@ def evaluate(calibration: Calibration, position: FloatArray, fields: str | None)
     """Evaluate a position here and now: its responses, or the displacement fields of a part."""
     if fields is None:
         return calibration.evaluate(position)
-    from geoswarm.solver.runner.fields import evaluate_fields  # finite elements are loaded by those who need them
+    from geoswarm.solver.runner.fields import evaluate_fields  # finite elements are loaded where they are needed
 
     return evaluate_fields(calibration, position, fields)
 

@@ -28,7 +28,7 @@ __all__ = ["ForkServerLink"]
 log = logging.getLogger(__name__)
 
 POLL_SECONDS = 0.05
-PAUSES = (0.0, 0.2, 1.0)  # s, before another fork server is started in place of one that was killed
+PAUSES = (0.0, 0.2, 1.0)  # s, before another fork server is started instead of one that was killed
 READY_SECONDS = 120.0  # to import what evaluations need, and to load again what the one before it had
 ANSWER_SECONDS = 15.0  # to fork or to kill, when it is ready
 WAKE_SECONDS = 1.0
@@ -117,7 +117,7 @@ class ForkServerLink:
                     raise TimeoutError(f"this took longer than {COMPILE_SECONDS:g} s")
             self._answer()
             self._again.append((message.decode(), name))
-        except OSError as error:  # an evaluation compiles or imports, or tells what is wrong
+        except OSError as error:  # an evaluation compiles or imports, or reports what is wrong
             what = "the kernels of" if message == KERNELS else "forward model"
             log.warning("%s %r could not be loaded: %s", what, name, error)
             self._lose()

@@ -227,32 +227,32 @@ class IsolatedSpec(ForwardModelSpec):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Those that the model tells."""
+        """Those of the model."""
         return tuple(self._facts["assumptions"])
 
     @property
     def kernels(self) -> frozenset[str]:
-        """Those that the model tells."""
+        """Those of the model."""
         return frozenset(self._facts["kernels"])
 
     @property
     def only_here(self) -> bool:
-        """As the model tells."""
+        """As the model says."""
         return bool(self._facts["only_here"])
 
     @property
     def quick(self) -> bool:
-        """As the model tells."""
+        """As the model says."""
         return bool(self._facts["quick"])
 
     @property
     def runs_outside(self) -> bool:
-        """As the model tells."""
+        """As the model says."""
         return bool(self._facts["runs_outside"])
 
     @property
     def runs_programs(self) -> bool:
-        """As the model tells."""
+        """As the model says."""
         return bool(self._facts["runs_programs"])
 
     def at_once(self, workers: int, machines: int = 1) -> int:

@@ -100,7 +100,7 @@ def _run(section: str, points: Mapping[str, Any], values: Mapping[str, float]) -
 
 
 def _load(group: str, kind: str) -> None:
-    """Load what another package offers; who asks learns whether the process outlives it."""
+    """Load what another package offers; the caller learns whether the process outlives it."""
     for entry in entry_points(group=group):
         if entry.name == kind:
             entry.load()

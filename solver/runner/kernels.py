@@ -32,7 +32,7 @@ def make_ready(
     unwanted
         Whether to give up; then the answer is False.
     tell
-        Is told None when this worker begins to compile, and the time that it took [s].
+        Called with None when this worker begins to compile, then with the time that it took [s].
     """
     kinds = {part.kind for part in (problem.forward_model, *problem.forward_model.by_part().values())}
     evaluator.import_models(kinds, unwanted)

@@ -56,7 +56,7 @@ class OwnOutput:
 
 
 def shorten(descriptor: int) -> None:
-    """Keep only the end of a file that has become too large; whoever is writing goes on."""
+    """Keep only the end of a file that has become too large, while others write to it."""
     if os.fstat(descriptor).st_size > LARGEST:
         end = tail(descriptor) or ""
         os.ftruncate(descriptor, 0)

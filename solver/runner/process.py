@@ -31,7 +31,7 @@ class EvaluationProcess:
     pid
         Its number.
     pidfd
-        A descriptor that is ready when it has ended, whoever still holds its connection; None: the system has none.
+        A descriptor that is ready when it has ended, even if others hold its connection; None: the system has none.
     """
 
     def __init__(self, connection: socket.socket, shared: SharedState, pid: int, pidfd: int | None) -> None:
@@ -57,7 +57,7 @@ class EvaluationProcess:
 
     @property
     def spoke_unasked(self) -> bool:
-        """Whether something came from it that nobody has asked for, or it has ended."""
+        """Whether something unrequested came from it, or it has ended."""
         return bool(self._reader) or bool(self._poll.poll(0))
 
     @property
@@ -83,7 +83,7 @@ class EvaluationProcess:
         self._send()
 
     def answer(self, seconds: float) -> Frame | None:
-        """Return the next frame that answers, None when there is none within so many seconds.
+        """Return the next frame that answers, None when there is none within this time.
 
         Raises
         ------

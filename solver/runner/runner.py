@@ -149,7 +149,7 @@ class Runner:
                 if given == first + len(part) or 0 <= index < given - first:
                     continue  # it ended behind an answer: no evaluation is to blame
                 if index < 0 and len(part) > 1:
-                    singly = True  # who is to blame will show
+                    singly = True  # to find out which one is to blame
                     continue
                 if index < 0 and (idle_ends := idle_ends + 1) == 1:
                     continue  # killed from outside between two evaluations: no evaluation is to blame
@@ -233,7 +233,7 @@ class Runner:
         _SpoiledError
             When it had to be killed for memory that an earlier run may have left.
         EvaluationCancelled
-            When it had to be killed because nobody wants the result.
+            When it had to be killed because the result is not wanted.
         ConnectionEnded, GarbledError
         """
         deadline: float | None = None

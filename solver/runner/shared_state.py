@@ -13,7 +13,7 @@ __all__ = ["BUILDING", "IDLE", "Progress", "SharedState"]
 IDLE, BUILDING = -1, -2
 
 _MOST_READS = 1000
-"""After which a reader takes what it has: whoever writes all the time must not hold it up."""
+"""After which a reader takes what it has: a writer that never pauses must not hold it up."""
 
 
 class Progress(NamedTuple):

@@ -43,7 +43,7 @@ class Team:
         self._calibration = calibration
         self._limits = RunLimits.of(calibration.problem)
         self._stopping = threading.Event()
-        # Who starts a run in process is its operator: forward models see the same environment as with one worker.
+        # A run in process belongs to its operator: forward models see the same environment as with one worker.
         self._runners = [Runner(tuple(without_secrets(os.environ))) for _ in range(workers)]
         self._idle: queue.SimpleQueue[Runner] = queue.SimpleQueue()
         self.threads = ThreadPoolExecutor(workers, thread_name_prefix="geoswarm-runner")
@@ -63,7 +63,7 @@ class Team:
             runner.close()
 
     def abandon(self) -> None:
-        """Have what is evaluated now killed: nobody will read it."""
+        """Have what is evaluated now killed: it is not wanted any more."""
         self._stopping.set()
 
     def evaluate(self, positions: FloatArray) -> list[Evaluation]:

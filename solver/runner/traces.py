@@ -37,7 +37,7 @@ class Traces:
 
 
 def _has_children() -> bool:
-    """Whether this process has children, ended ones that nobody has waited for included."""
+    """Whether this process has children, ended ones that were not waited for included."""
     try:
         os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT)
     except ChildProcessError:

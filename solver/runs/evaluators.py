@@ -194,7 +194,7 @@ def _pool(calibration: Calibration, workers: int, finished: Finished) -> Iterato
             f"one of the {workers} worker processes ended unexpectedly (out of memory, or killed); "
             "the service (geoswarm serve) survives such losses, an in-process run does not"
         ) from error
-    except BaseException:  # also an interrupt: nobody waits for runs that nobody will read
+    except BaseException:  # also an interrupt: runs without a reader are not waited for
         for child in set(multiprocessing.active_children()) - before:
             child.terminate()
         raise

@@ -8,7 +8,7 @@
 ``differential_evolution``  the synchronous one of Storn and Price
 ``acceleration``            proposals learned from all runs so far
 ``monte_carlo``             random, Latin hypercube and Sobol points; points that are given
-``descent``                 the way down to a minimum, and what its surroundings are told by
+``descent``                 the way down to a minimum, and the points around it
 ``bounded``                 linear least squares inside bounds
 ``base``                    the protocol of a search method
 ==========================  ==========================================================================================

@@ -304,7 +304,7 @@ class ParticleSwarm:
         return self._ending is None or self._ending.converged
 
     def _resize(self, particles: int) -> None:
-        """Keep the particles with the best personal bests, or draw more, so that there are so many."""
+        """Keep the particles with the best personal bests, or draw more, up to a number."""
         if particles < 1:
             raise ValueError(f"particles must be at least 1, got {particles}")
         n = len(self._position)

@@ -31,7 +31,7 @@ class SearchSpace:
     log
         Whether a parameter is searched on a log scale, shape (d,).
     feasible
-        Tells whether a natural parameter vector, shape (d,), satisfies all constraints.
+        Returns whether a natural parameter vector, shape (d,), satisfies all constraints.
     integer
         Whether a parameter takes whole numbers only, shape (d,); none does if absent. In search coordinates it moves
         on from half a unit below its lower to half a unit above its upper bound, so that all values are equally

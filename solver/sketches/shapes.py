@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 __all__ = ["SIZE", "Area", "Dot", "Drawing", "Ink", "Line", "Point", "Shape", "Sheet", "Text", "text_width"]
 
 Ink: TypeAlias = Literal["ink", "muted", "grid", "soil", "steel", "stone", "water", "load", "reading"]
-"""What something is; whoever renders it chooses the colours."""
+"""What something is; the renderer chooses the colours."""
 
 Point: TypeAlias = tuple[float, float]
 """x to the right, y downwards; a unit is a pixel where the sketch is as wide as it was meant to be."""

@@ -10,7 +10,7 @@ from geoswarm.solver.sketches.declared import Load, Panel, Track
 __all__ = ["Loaded", "Movement", "load_panel", "movement_panels"]
 
 _TOLD = 6
-"""Stages that are told one by one in words."""
+"""Stages that are listed one by one in words."""
 _CYCLES = 6
 """Cycles of a stage that are drawn."""
 
@@ -40,7 +40,7 @@ class Movement(Protocol):
 
     @property
     def rate(self) -> float | None:
-        """Change in a day, in place of durations."""
+        """Change in a day, instead of durations."""
 
     @property
     def relative(self) -> bool:
@@ -178,7 +178,7 @@ def _followed(
         if stage.hold and lost:
             continue
         targets, times = _drawn(stage, start, end)
-        if lost and not points:  # nobody knows where it begins
+        if lost and not points:  # its beginning is unknown
             points.append((start, stage.targets[0] if not stage.in_cycle else 0.0))
         elif stage.in_cycle and lost:  # about a state that is not known: about 0, dotted up to there
             points.append((start, 0.0))

@@ -18,7 +18,7 @@ def svg_element(drawing: Drawing, label: str) -> str:
     Parameters
     ----------
     label
-        The same in words, for who does not see it.
+        The same in words, for those who do not see it.
     """
     inside = "".join(_element(shape) for shape in drawing.shapes)
     return (

@@ -1,4 +1,4 @@
-"""What an evaluation does besides calculating: it waits for its turn, or reads. Told to whoever keeps its time.
+"""What an evaluation does besides calculating: it waits for its turn, or reads.
 
 A forward model says it with :func:`waiting` and :func:`doing`; what is waited is no time of the run. The process that
 watches another one gets it through a :class:`Listener`, the measured time of an evaluation through :func:`counting`.
@@ -23,7 +23,7 @@ class Listener(Protocol):
         """It begins to wait."""
 
     def go_on(self, seconds: float) -> None:
-        """It has waited so many seconds [s], and waits no longer."""
+        """It has waited this long [s], and waits no longer."""
 
     def do(self, what: str) -> None:
         """It does this, in words such as "reading series y from out.csv"; empty: it calculates."""

@@ -1,4 +1,4 @@
-"""Which extra of this distribution brings a package that is missing, and the words in which a user is told.
+"""Which extra of this distribution brings a missing package, and the message for the user.
 
 The table of extras is the one in the metadata of the installed distribution, so a new extra, or a package that moves
 from one to another, needs no second list.
@@ -19,7 +19,7 @@ def has(module: str) -> bool:
     """Whether a module of an extra is installed; it is not imported."""
     try:
         return find_spec(module) is not None
-    except ValueError:  # a module without a spec stands in its place
+    except ValueError:  # a module without a spec replaces it
         return True
 
 

@@ -1,6 +1,6 @@
-"""Process trees: who belongs to one, how much memory it uses, and its end.
+"""Process trees: which processes belong to one, how much memory it uses, and its end.
 
-psutil knows that everywhere. Linux tells more (``prctl``), and lists the children of a process, which is ten times as
+psutil knows that everywhere. Linux offers more (``prctl``), and lists the children of a process, which is ten times as
 quick as psutil's look at all processes.
 """
 
@@ -60,7 +60,7 @@ def die_with_parent() -> None:
 
 
 def wake_with_parent() -> None:
-    """Ask the kernel for SIGCONT when the parent dies: who was stopped then sees that it is alone (Linux)."""
+    """Ask the kernel for SIGCONT when the parent dies: a stopped process then sees that it is alone (Linux)."""
     _prctl(PR_SET_PDEATHSIG, int(signal.SIGCONT))
 
 
@@ -183,6 +183,6 @@ def _proportional(pid: int) -> float:
         process = psutil.Process(pid)
         try:
             return float(process.memory_full_info().pss)
-        except (AttributeError, psutil.AccessDenied):  # another system; a process that lets nobody look
+        except (AttributeError, psutil.AccessDenied):  # another system; a process that cannot be inspected
             return float(process.memory_info().rss)
     return 0.0

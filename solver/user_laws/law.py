@@ -51,7 +51,7 @@ class UserLaw(Law):
     def shared_constants(self, state_count: int, limit: int, size: int) -> FloatArray:
         """Constants that all laws in libraries have, in an array of a size.
 
-        ``state_count``: of variables that the library keeps; ``limit``: place of the one that tells yield, -1: none.
+        ``state_count``: of variables that the library keeps; ``limit``: place of the one that shows yield, -1: none.
         """
         head = np.zeros(size)
         head[SHARED.troubles] = self.counters.ctypes.data

@@ -60,7 +60,7 @@ def _section(kind: str) -> type[UserLawSection] | None:
 
 
 def _refuse_unknown(section: type[UserLawSection], given: Mapping[str, Any]) -> None:
-    """Refuse unknown keys here: the schema, from which the known ones are told elsewhere, has no such sections."""
+    """Refuse unknown keys here: the schema, which names the known ones elsewhere, has no such sections."""
     known = [name for name in section.model_fields if name not in ("folder", "version", "read")]
     for name in given:
         if name not in section.model_fields:

@@ -83,7 +83,7 @@ class MfrontSection(UserLawSection):
         {}, max_length=100, description="External state variables other than the temperature: numbers or expressions."
     )
     temperature: float = Field(293.15, description="Temperature passed to it.")
-    # What a canonical problem has beside: nobody writes it.
+    # Only in canonical problems; users do not write it.
     read: SkipJsonSchema[Behaviour | None] = Field(None, description="what the library says of the behaviour")
 
     @property

@@ -127,7 +127,7 @@ class UserLawSection(Section):
     time_scale: Formula | None = Field(
         None, description="Time in which creep slows down by half, day: the first time step of a hold."
     )
-    limit: ParameterName | None = Field(None, description="State variable that tells whether the point yields.")
+    limit: ParameterName | None = Field(None, description="State variable that shows whether the point yields.")
     perfectly_plastic: bool = Field(
         False, description="The tangent may lose all stiffness: finite elements mix elastic stiffness into it."
     )
@@ -143,7 +143,7 @@ class UserLawSection(Section):
     stateful: bool = Field(
         False, description="It keeps state between calls (SAVE, COMMON): each run gets its own process."
     )
-    # What a canonical problem has beside: nobody writes it.
+    # Only in canonical problems; users do not write it.
     folder: SkipJsonSchema[str | None] = Field(None, description="where the library lies")
     version: SkipJsonSchema[str | None] = Field(None, description="SHA-256 of the library")
 

@@ -1,1 +1,1 @@
-"""Who may do what, and how much of it: API keys, sign-ins, quotas."""
+"""Permissions and limits: API keys, sign-ins, quotas."""

@@ -1,6 +1,6 @@
 """API keys: made once and shown once, stored as hashes, found by their public part, expiring and revocable.
 
-A key reads ``gsw_ID_SECRET``. The secret has 256 random bits, so a plain SHA-256 keeps it: nobody can try that many.
+A key reads ``gsw_ID_SECRET``. The secret has 256 random bits, so a plain SHA-256 keeps it: that many cannot be tried.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class ApiKeys:
         self.store = store
 
     def create(self, owner: str, role: Role, *, label: str = "", valid_seconds: float | None = None) -> tuple[str, Key]:
-        """Make a key; return it, which nobody can do again, and what is stored of it.
+        """Make a key; return it, this once, and what is stored of it.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class ApiKeys:
         return self.store.read(api_keys.any_key)
 
     def principal(self, key: str) -> Principal | None:
-        """Return who a key belongs to; None when it is unknown, expired or revoked.
+        """Return the holder of a key; None when it is unknown, expired or revoked.
 
         Raises
         ------
@@ -116,7 +116,7 @@ class ApiKeys:
         try:
             self.store.write(lambda connection: api_keys.note_used(connection, key_id, USED_EVERY_SECONDS))
         except StoreUnavailableError:
-            return  # a database that can only be read now: whoever only reads may go on
+            return  # a read-only database still serves reads
 
 
 def _hash(key: str) -> str:

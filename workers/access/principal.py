@@ -1,4 +1,4 @@
-"""Who asks, and what they may: roles of API keys, and whose jobs they see."""
+"""Principals: roles of API keys, and whose jobs they see."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["LOCAL", "Principal"]
 
 @dataclass(frozen=True, slots=True)
 class Principal:
-    """Who asks.
+    """Sender of a request, and its permissions.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from geoswarm.workers.store.tables import jobs
 __all__ = ["check_quotas", "lock_quotas", "sizes"]
 
 LOCK = 7_209_341_855_018
-"""Number of the lock in PostgreSQL: any that nobody else in this database uses."""
+"""Number of the lock in PostgreSQL: any that nothing else in this database uses."""
 
 JOB_BYTES = 4096
 EVALUATION_BYTES = 600
@@ -43,7 +43,7 @@ def sizes(problem: Problem, documents: Mapping[str, str], offer: WarmStartRuns |
 
 
 def lock_quotas(connection: Connection) -> None:
-    """Let others who need room wait for the end of this transaction: two at once must not both find it.
+    """Let other transactions that need room wait for the end of this one: two at once must not both find it.
 
     One lock for all owners, as they share the room of ``GEOSWARM_QUOTA_TOTAL_MB``. SQLite has one writer anyway.
     """
@@ -70,7 +70,7 @@ def check_quotas(
     Parameters
     ----------
     size
-        What it takes, as :func:`sizes` tells.
+        What it takes, from :func:`sizes`.
     taken
         What the database takes of its disk now [bytes].
 

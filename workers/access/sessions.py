@@ -1,7 +1,7 @@
 """Sessions of browsers: signed in with an API key once, known by a random token afterwards.
 
-The token has 256 random bits and only its hash is stored, so that who reads the database cannot use it. A session ends
-when it is ended, after :data:`SESSION_SECONDS`, and as soon as its key is revoked, expired or replaced.
+The token has 256 random bits and only its hash is stored, so that a reader of the database cannot use it. A session
+ends when it is ended, after :data:`SESSION_SECONDS`, and as soon as its key is revoked, expired or replaced.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class SignInSessions:
         self._environment = None if environment_key is None else (_hash(environment_key[0]), environment_key[1])
 
     def open(self, key: bytes, principal: Principal) -> str:
-        """Begin a session of who has shown a valid key; return its token, which nobody can do again.
+        """Begin a session after a valid key was shown; return its token, this once.
 
         The principal has the id of the key.
 

@@ -1,7 +1,7 @@
 """Where agents are served: they announce themselves, get leases, keep them, and bring results.
 
-Behind it is the exchange of all workers, so a history is the same whoever made its runs. What an agent holds is in the
-database, so any process of the service may answer it, and a result counts only for a lease that its key was given.
+Behind it is the exchange of all workers, so a history does not depend on what made its runs. What an agent holds is in
+the database, so any process of the service may answer it, and a result counts only for a lease that its key was given.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ WORDS = {"paused": "its job is paused", "done": "its results came from elsewhere
 
 
 def accepts(offers: Collection[str], work: OpenWork, seconds: float | None) -> list[str]:
-    """Return those needs of open work that are offered, by who runs for so long yet [s]."""
+    """Return those needs of open work that are offered, by an agent that runs for this time yet [s]."""
     longest = math.inf if seconds is None else seconds / SECONDS_TO_SPARE
     return [" ".join(sorted(needs)) for needs, typical in work if typical <= longest and needs.issubset(offers)]
 
@@ -57,7 +57,7 @@ def accepts(offers: Collection[str], work: OpenWork, seconds: float | None) -> l
 class AgentDesk:
     """Serves the agents of one store. Safe to use from several threads.
 
-    Who asks is given by the id of its key, empty without one. Every method may raise
+    The caller is given by the id of its key, empty without one. Every method may raise
     :class:`geoswarm.workers.errors.StoreUnavailableError`.
     """
 
@@ -65,7 +65,7 @@ class AgentDesk:
         self.store = store
         self.settings = settings
         self.on_work: Callable[[str, int], None] = lambda _job_id, _number: None
-        """Is told of work for so many others, in the thread that made it."""
+        """Called with the number of others that have work, in the thread that made it."""
         self._waker = waker
         self._runtime = Runtime(store, settings)
         self._jobs = PreparedJobs(store, settings)
@@ -185,7 +185,7 @@ class AgentDesk:
         Raises
         ------
         LeaseOverError
-            Nobody wants what it is about any more: what runs is to be killed.
+            Its subject is not wanted any more: what runs is to be killed.
         """
 
         def work(connection: Connection) -> str:

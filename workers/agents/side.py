@@ -110,7 +110,7 @@ class Side:
         self._refused = frozenset(refused)
 
     def grant(self) -> Grant | None:
-        """What the agent is told about its lease; None if it has none."""
+        """What the answer to the agent says about its lease; None if it has none."""
         if self._given is None or self._wanted is None:
             return None
         lease_id, claim = self._given

@@ -50,7 +50,7 @@ def change_stopping(
     Parameters
     ----------
     quota_of
-        Owner whose quotas limit what may be planned; None: nobody's.
+        Owner whose quotas limit what may be planned; None: no owner.
     taken
         What the database takes of its disk now [bytes].
 

@@ -115,9 +115,9 @@ class GenerationRows:
     Parameters
     ----------
     size, pending, undone
-        Number of particles, of those that nobody holds, and of those without a counted result.
+        Number of particles, of unclaimed ones, and of those without a counted result.
     connection
-        None: nobody has seen the generation, and its particles are all here.
+        None: the generation is not in the database yet, and its particles are all here.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class GenerationRows:
 
     @classmethod
     def dispatch(cls, job_id: str, generation: int, positions: FloatArray) -> GenerationRows:
-        """Make the rows of a generation that nobody has seen; ``positions`` has shape (n, d)."""
+        """Make the rows of a new generation; ``positions`` has shape (n, d)."""
         made = cls(job_id, generation, len(positions), len(positions), len(positions))
         for particle, position in enumerate(positions):
             made.cells[particle] = Cell(made, particle, EvaluationStatus(), pack_array(position))
@@ -332,7 +332,8 @@ def load_generation(
     Parameters
     ----------
     particles, workers
-        Those that are handed in or given back, and who may hold some. More may be read: a list costs more than rows.
+        Those that are handed in or given back, and workers that may hold some. More may be read: rows cost less than a
+        list.
     most
         How many unclaimed particles to read at first.
     """
@@ -344,7 +345,7 @@ def load_generation(
 
 @lru_cache(maxsize=16)
 def _earlier(count: int) -> Statement:
-    """Return what selects earlier results of so many parameters."""
+    """Return what selects earlier results of a number of parameter sets."""
     shown = (evaluations.c[name] for name in ("parameters", "state", "worker", *_RESULT))
     return Statement(
         select(*shown, database_now().label("now"))

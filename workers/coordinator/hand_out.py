@@ -18,7 +18,7 @@ class HandOut:
     Parameters
     ----------
     rows
-        The generation; what is claimed is changed there, and written by who holds the transaction.
+        The generation; claims are changed there, and written at the end of the transaction.
     now, lease
         The database's time, and how long a claim is held [s].
     """

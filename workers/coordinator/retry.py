@@ -1,6 +1,6 @@
 """Reruns the failed evaluations of a paused or ended job, without changing the results given to the search.
 
-The search was told of a failure when its generation was joined, and went on from there; that is not undone. Another
+The search received a failure when its generation was joined, and continued; that is not undone. Another
 try changes the evaluation's own row, which then says what the forward model gives, and with it the best evaluation, the
 counts of failures, and the state of a job that had failed for want of one success. The try that counted before stays in
 the list of attempts. Only failures of a generation that was not joined yet reach the search.

@@ -155,7 +155,7 @@ class Runtime:
         Parameters
         ----------
         why
-            Tells the reason, None: there is none any more. It is asked when nobody else can change the job: a refusal
+            Returns the reason, None: there is none any more. It is called with the job locked: a refusal
             that comes late must not stop a job that was resumed because its model is there again.
         """
 
@@ -180,6 +180,9 @@ class Runtime:
     ) -> Exchange:
         """Accept the results of a worker, advance the job when its generation is complete, and hand out the next claim.
 
+        Threads of one process that come together share a transaction; see
+        :mod:`geoswarm.workers.coordinator.together`.
+
         Parameters
         ----------
         live_workers
@@ -190,9 +193,6 @@ class Runtime:
             The worker turns to this job now: the others move up in the line, if that was not noted before.
         agent
             What stands between it and the database, where the worker is the slot of an agent.
-
-        Threads of one process that come together share a transaction; see
-        :mod:`geoswarm.workers.coordinator.together`.
         """
         want = want and self.shortage() is None
         return self._together.ask(job_id, course, Asked(worker, submission, live_workers, want, taken_up, noted, agent))

@@ -1,7 +1,7 @@
 """Lets threads of one process that make exchanges for the same job at the same time share a transaction.
 
 While one of them is at the database, those that come wait for its lock anyway. So the next one takes along what all of
-them bring: one lock, one look at the generation, one commit, however many there are. Who comes alone waits for nobody.
+them bring: one lock, one look at the generation, one commit, however many there are. A single one does not wait.
 """
 
 from __future__ import annotations

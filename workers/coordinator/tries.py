@@ -29,7 +29,7 @@ def record_result(
     before = cell.status
     if before.attempts == 0:
         before, _ = settle(before, Claimed(worker))  # begun in the worker that dispatched it
-    # Counted by the number of its first try, or given to two workers: only the list of tries tells whether it is new.
+    # Counted by the number of its first try, or given to two workers: only the list of tries shows whether it is new.
     doubtful = before.done and before.worker == worker and before.attempts != result.attempt
     if (doubtful or cell.duplicates) and _taken_in(rows.tries(connection, cell), cell, result, worker):
         return None

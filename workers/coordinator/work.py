@@ -179,7 +179,7 @@ class Exchange:
     ----------
     claim
         The next evaluations, None when there is nothing for this worker now.
-    rings
+    wakes
         How many other workers should be woken.
     queued
         The job has not started: its generation 0 must be asked for first.

@@ -381,7 +381,7 @@ def _kind(course: Course) -> str:
 
 
 class _Turn:
-    """How long a worker stays with a job: a slice of time, and another one where nobody else waits."""
+    """How long a worker stays with a job: a slice of time, and another one where no other job waits."""
 
     def __init__(self, worker: Worker, job_id: str, noted: bool = False) -> None:
         self._worker = worker

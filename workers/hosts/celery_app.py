@@ -26,7 +26,7 @@ log = logging.getLogger(__name__)
 
 QUEUE = "geoswarm"
 SERVE_TASK = "geoswarm.serve"
-SILENT_SECONDS = 5.0  # after a failure, until the next try: who submits must not wait for a dead broker again and again
+SILENT_SECONDS = 5.0  # after a failure, until the next try: submissions must not wait for a dead broker again and again
 
 
 def create_celery(settings: Settings) -> Celery:

@@ -1,4 +1,4 @@
-"""Reads wake-ups from Redis; what is not a message of Celery is dropped in place of ending the worker."""
+"""Reads wake-ups from Redis; what is not a message of Celery is dropped instead of ending the worker."""
 
 from __future__ import annotations
 

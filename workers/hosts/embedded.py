@@ -33,7 +33,7 @@ __all__ = ["PipeWaker", "Supervisor"]
 
 log = logging.getLogger(__name__)
 
-# What it needs comes over its standard input, which then stays open: its end tells that the parent has died.
+# What it needs comes over its standard input, which then stays open: its end shows that the parent has died.
 BOOTSTRAP = child_program("geoswarm.workers.hosts.embedded_worker")
 WATCH_SECONDS = 0.05
 SHORT_LIFE_SECONDS = 10.0

@@ -132,7 +132,7 @@ def _follow_end(process: _Process) -> None:
 
 
 def _look_around(process: _Process) -> None:
-    """Look for work that nobody wakes for: Redis may be down, or Celery may no longer listen after it was."""
+    """Look for work without a wake-up: Redis may be down, or Celery may no longer listen after it was."""
     worker = process.worker
     while not worker.stopping.wait(worker.settings.sweep_seconds):
         if process.working.acquire(blocking=False):
@@ -151,7 +151,7 @@ def _close(**_: Any) -> None:
 
 
 @shared_task(name=SERVE_TASK, ignore_result=True)  # type: ignore[untyped-decorator]  # Celery has no types
-def serve(job_id: str) -> None:  # noqa: ARG001  who looks at the queue shall see whom a message is about
+def serve(job_id: str) -> None:  # noqa: ARG001  a reader of the queue shall see the job of a message
     """Answer a ring: there may be work, not necessarily for the job that rang, as others may be more urgent."""
     if _process is None:
         _open()  # the database did not answer when this process began

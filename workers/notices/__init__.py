@@ -1,4 +1,4 @@
-"""Tells whoever asked for it that a job has ended: by a signed request to an address of theirs, or by e-mail.
+"""Notifications of jobs that have ended: by a signed request to an address of the user's, or by e-mail.
 
 =============  ========================================================================
 ``settings``   what the operator allows and gives
@@ -6,7 +6,7 @@
 ``hooks``      whom to tell: made, listed, deleted
 ``queue``      deliveries in the database: due, held, told, given up
 ``verdicts``   what the data say about each parameter, found in a process of its own
-``message``    what is told
+``message``    contents of a notification
 ``web``        signed requests
 ``mail``       e-mail
 ``notifier``   the thread that delivers

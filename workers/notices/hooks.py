@@ -43,9 +43,9 @@ class Hooks:
         self.settings = NoticeSettings.from_environment() if settings is None else settings
 
     def create(self, target: str, *, job_id: str | None = None, states: Sequence[EndedState] = ENDED_STATES) -> NewHook:
-        """Make a hook that tells of one's own jobs, or of one of them.
+        """Make a hook for the caller's own jobs, or for one of them.
 
-        A job that has ended already is told of at once.
+        A job that has ended already is announced at once.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class Hooks:
         self.store.write(work)
 
     def test(self, hook_id: str) -> Hook:
-        """Have a hook told that it works, as soon as may be.
+        """Send a test notification soon.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What is told of a job that has ended: as JSON for programs, in plain words for people."""
+"""The notification of a job that has ended: as JSON for programs, in plain words for people."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LONGEST_NAME = 100
 def body_of(
     job: Job, state: str, at: datetime, found: Found = NOTHING, public_url: str | None = None
 ) -> dict[str, Any]:
-    """Return what is told of a job.
+    """Return the notification of a job.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def body_of(
 
 
 def trial_body(at: datetime) -> dict[str, Any]:
-    """Return what a test of a hook tells."""
+    """Return the notification of a test."""
     return {"type": "hook.test", "timestamp": _iso(at), "data": {"message": "This hook of geoswarm works."}}
 
 

@@ -1,6 +1,6 @@
-"""The thread that tells of jobs that have ended; it runs in every service and in ``geoswarm sweep``, any number may.
+"""The thread that sends notifications of ended jobs; any number may run, one in each service and ``geoswarm sweep``.
 
-What is to be told stands in the database (:mod:`geoswarm.workers.store.outbox`), so nothing is lost with a process. A
+Notifications to send are rows of the database (:mod:`geoswarm.workers.store.outbox`), so no process loses any. A
 message can come twice, when a process is lost between the answer and its note of it; its id is the same then.
 """
 

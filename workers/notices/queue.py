@@ -1,4 +1,4 @@
-"""Deliveries in the database: which are due, who holds them, how they ended."""
+"""Deliveries in the database: which are due, which process holds them, how they ended."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def any_due(connection: Connection) -> bool:
 def hold_due(connection: Connection, most: int, seconds: float) -> Sequence[Record]:
     """Take deliveries that are due, one of each hook, for some time [s]; return them with what their hook says.
 
-    The try counts at once: who is lost in mid-try has made it, and another process makes the next one.
+    The try counts at once: a process lost in mid-try has made it, and another process makes the next one.
     """
     busy = select(deliveries.c.hook_id).where(deliveries.c.state == "waiting", deliveries.c.held_until > database_now())
     first = (
@@ -53,7 +53,7 @@ def hold_due(connection: Connection, most: int, seconds: float) -> Sequence[Reco
     if not ids:
         return []
     held = {"tries": deliveries.c.tries + 1, "held_until": database_now() + seconds}
-    # Who waited for the lock of a row that somebody else has just taken finds it held.
+    # A process that waited for the lock of a row that another one has just taken finds it held.
     taken = update(deliveries).where(deliveries.c.id.in_(ids), _DUE).values(held).returning(deliveries.c.id)
     mine = connection.scalars(taken).all()
     columns = (
@@ -74,7 +74,7 @@ def hold_due(connection: Connection, most: int, seconds: float) -> Sequence[Reco
 
 
 def keep_body(connection: Connection, delivery_id: int, body: str) -> None:
-    """Keep what is told, so that every try tells the same."""
+    """Keep the body, so that every try sends the same."""
     connection.execute(update(deliveries).where(deliveries.c.id == delivery_id).values(body=body))
 
 

@@ -47,7 +47,7 @@ def _small(value: Any) -> Any:
 
 
 class NoticeSettings(BaseModel):
-    """How the end of jobs is told.
+    """How the end of jobs is announced.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ CONNECTION_SECONDS = 5.0
 
 
 class NotDeliveredError(Exception):
-    """A message was not taken; the text tells the owner of the hook why. ``final``: never will be."""
+    """A message was not accepted; the text gives the owner of the hook the reason. ``final``: never will be."""
 
     def __init__(self, message: str, *, final: bool = False) -> None:
         self.final = final
@@ -122,7 +122,7 @@ class _Network(httpcore.NetworkBackend):
 
 
 class _Stream(httpcore.NetworkStream):
-    """A connection that ends at a deadline, however slowly the other side drips, and after so many bytes."""
+    """A connection that ends at a deadline, however slowly the other side sends, and after a number of bytes."""
 
     def __init__(self, stream: httpcore.NetworkStream, deadline: float) -> None:
         self._stream = stream

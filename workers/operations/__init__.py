@@ -1,1 +1,1 @@
-"""What keeps a service in order and tells how it is: sweeps, retention, probes, measures."""
+"""Upkeep and health of a service: sweeps, retention, probes, metrics."""

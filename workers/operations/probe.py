@@ -70,7 +70,7 @@ class OneAtATime:
     look
         Answers ``ok`` or what is wrong; must not raise.
     patience
-        How long who asks waits for the answer [s]; while it does not come, that is what others are told.
+        How long a caller waits for the answer [s]; until it comes, others get the same result.
     """
 
     def __init__(self, look: Callable[[], str], patience: float = PATIENCE_SECONDS) -> None:

@@ -92,7 +92,7 @@ class Sweeper:
             self._free_lost(this_machine())
 
     def sweep(self) -> None:
-        """Give up silent workers, free their evaluations, keep the clocks of jobs, ring for work nobody knows of.
+        """Give up silent workers, free their evaluations, keep the clocks of jobs, notify workers of unknown work.
 
         And empty the journal of an SQLite file when readers kept that from happening after a deletion.
 
@@ -157,7 +157,7 @@ class Sweeper:
             self._thread = None
 
     def _free_lost(self, machine: str | None = None) -> None:
-        """Free what nobody works on any more; with a machine, only what its dead workers held."""
+        """Free what lost workers held; with a machine, only what its dead workers held."""
         lost = self._give_up_workers(machine)
         if lost or machine is None:
             for row in self.runtime.store.read(lambda c: overdue(c, lost)):
@@ -193,7 +193,7 @@ class Sweeper:
 
         def forgotten(connection: Connection) -> Sequence[Record]:
             idle = count_live(connection, settings.lease_seconds) - len(busy_workers(connection))
-            # With nobody idle a ring would only lie in the queue: who becomes idle is woken for in the next sweep.
+            # Without an idle worker a wake-up would only wait in the queue; a later sweep wakes idle workers.
             late = (settings.overdue_seconds, settings.overdue_factor)
             since = 0.9 * settings.sweep_seconds
             return claimable_jobs(connection, idle, overdue=late, not_rung_for=since) if idle > 0 else []
@@ -216,7 +216,7 @@ def with_signals(stop: Callable[[], None]) -> None:
 
 
 def due_sweeps(connection: Connection, labels: Collection[str], seconds: float) -> list[str]:
-    """Return those of the labels whose sweep nobody began in these seconds."""
+    """Return those of the labels whose sweep has not begun in these seconds."""
     marks = counters.c.name == SWEEP, counters.c.label.in_(labels), not_(_old(seconds))
     fresh = set(connection.scalars(select(counters.c.label).where(*marks)))
     return [label for label in labels if label not in fresh]

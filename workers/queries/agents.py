@@ -31,11 +31,11 @@ __all__ = [
 ]
 
 KEPT_ENDED_SECONDS = 600.0
-"""How long it is remembered that results were taken in; who brings them once more is told so."""
+"""How long accepted results are remembered, so that handing them in again is recognised."""
 KEPT_OPEN_SECONDS = 7 * 86_400.0
 """How long results may still come for a lease of which nothing was heard."""
 WITHOUT_KEY = ("", "environment")
-"""Who asks without a key of the database."""
+"""The caller without a key of the database."""
 
 
 def find_agent(connection: Connection, agent_id: str) -> Record | None:

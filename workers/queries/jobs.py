@@ -137,7 +137,7 @@ class LockedJob:
 def lock_job(connection: Connection, job_id: str, *, briefly: bool = False) -> LockedJob | None:
     """Lock a job's row and read it; None when there is no such job.
 
-    ``briefly``: without what the search knows, of which the row tells only whether it is there; :meth:`LockedJob.job`
+    ``briefly``: without what the search knows, of which the row only says whether it is there; :meth:`LockedJob.job`
     reads it.
     """
     found = (LOCK_BRIEFLY if briefly else LOCK).rows(connection, {"job_id": job_id})

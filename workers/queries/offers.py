@@ -42,7 +42,7 @@ def find_offer(store: Store, problem: Problem, visible: Callable[[Connection, st
     Parameters
     ----------
     visible
-        Raises JobNotFoundError for a job that is not there for who asks.
+        Raises JobNotFoundError for a job that the caller may not see.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """The lines in which jobs wait for workers: one for each owner, served in turn.
 
 The line that was served longest ago comes first, and in it the job that has waited longest. One step of a job's
-priority counts as much as ten seconds of waiting, so that nobody waits for ever: in its own line, and among the lines
+priority counts as much as ten seconds of waiting, so that no job waits forever: in its own line, and among the lines
 only where an administrator gave it.
 """
 
@@ -83,7 +83,7 @@ def most_urgent_job(
         Time [s] and multiple of the typical time after which an evaluation may be run twice at once, when there is
         nothing else to do; None: never.
     needs
-        Only jobs that need one of these of who runs them; None: all.
+        Only jobs that need one of these of their worker; None: all.
     seconds
         Only jobs whose evaluations typically take less [s], or of which that is not known; None: all.
     """
@@ -161,7 +161,7 @@ def take_turn(
 ) -> Record | None:
     """Return the job of :func:`most_urgent_job` and note that a worker turns to it: the next one chooses another.
 
-    PostgreSQL only; waits for nobody. None: there is nothing to do, or another worker took this turn, or an exchange
+    PostgreSQL only; does not wait. None: there is nothing to do, or another worker took this turn, or an exchange
     has the job locked.
 
     Parameters
@@ -179,7 +179,7 @@ def claimable_jobs(
     """Return ``id`` and ``forward_model`` of jobs to ring for, those that have waited longest first.
 
     These are queued ones and running ones with an evaluation to claim, or with none that is open at all (complete, but
-    nobody advanced it), or with an overdue one.
+    it was not advanced), or with an overdue one.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def claimable_jobs(
 def note_served(connection: Connection, row: Record) -> None:
     """Note that a worker turns to this job now: it goes to the end of its line, and its line waits for the others.
 
-    Does not wait for the line, as leases were given before: whoever holds it notes the same.
+    Does not wait for the line, as leases were given before: the transaction that holds it notes the same.
     """
     now = _later_than_any()
     values = {"served_at": now, "place": now - SECONDS_A_PRIORITY * row.priority}

@@ -70,7 +70,7 @@ def begin_build(connection: Connection, job_id: str, worker_id: str) -> int:
 
 
 def end_build(connection: Connection, job_id: str, worker_id: str | None = None) -> None:
-    """Note that a worker has built the problem, or tried it, without an end to itself; None: nobody ends by it."""
+    """Note that a worker has built the problem, or tried it, without ending; None: no worker ends by it."""
     noted = delete(builds).where(builds.c.job_id == job_id)
     connection.execute(noted if worker_id is None else noted.where(builds.c.worker == worker_id))
 

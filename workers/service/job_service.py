@@ -164,7 +164,7 @@ class JobService(JobRecords):
         require_possible(problem)
         problem.forward_model.require_available()
         owner = self.principal.owner
-        # Each owner has keys of their own: nobody may find another's job by guessing one.
+        # Each owner has keys of their own: guessing one must not find another's job.
         stored_key = idempotency_key if idempotency_key is None or owner is None else f"{owner}\n{idempotency_key}"
         offer = find_offer(self.store, problem, self._row) if problem.warm_start else None
         documents = {
@@ -195,7 +195,7 @@ class JobService(JobRecords):
 
         def work(connection: Connection) -> tuple[Job, bool]:
             if quota_of is not None:
-                lock_quotas(connection)  # before the look: who had it may have used the same key
+                lock_quotas(connection)  # before the look: its holder may have used the same key
             same = None if stored_key is None else jobs.find_by_idempotency_key(connection, stored_key)
             if same is None:
                 self._require_room()

@@ -215,7 +215,7 @@ class JobRecords(ABC):
     ) -> list[Generation]:
         """Return finished generations with a number above ``after``, in order.
 
-        With ``points`` at most so many of all, evenly spaced, the first and the last one included; ``diversity`` reads
+        With ``points`` at most this number of all, evenly spaced, with the first and the last one; ``diversity`` reads
         all their runs.
         """
 

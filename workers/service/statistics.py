@@ -50,7 +50,7 @@ from geoswarm.workers.store.codec import (
 
 __all__ = ["StatisticsService", "StoredJob"]
 
-_ABOUT = 1.5  # whole generations are read while they are not more than so many times what is wanted
+_ABOUT = 1.5  # whole generations are read up to this multiple of what is wanted
 
 FindRow = Callable[[Connection, str], Any]
 
@@ -79,7 +79,7 @@ class StatisticsService:
         Where the evaluations are.
     find
         Returns the row of a job, or raises :class:`geoswarm.workers.errors.JobNotFoundError`, also for a job that the
-        one who asks may not see. It is asked before anything is taken from the cache.
+        caller may not see. It is called before anything is taken from the cache.
     cache
         What was made already, for everybody.
     """
@@ -344,7 +344,7 @@ def _samples(connection: Connection, row: Any, problem: Problem, end: int | None
 
 
 def _every(row: Any, numbers: Sequence[int] | None, most: int) -> int:
-    """Which part of the evaluations in chosen generations is taken: one of so many, where generations are large."""
+    """Which part of the evaluations in chosen generations is taken: one in this number, where generations are large."""
     evaluations: int = row.evaluations
     share = 1.0 if numbers is None else len(numbers) / max(row.generations, 1)
     return max(math.ceil(share * evaluations / (_ABOUT * most)), 1)

@@ -36,7 +36,7 @@ Verdict: TypeAlias = Literal[
 
 @dataclass(frozen=True, slots=True)
 class EvaluationStatus:
-    """State (pending, running, finished or failed), tries so far, and who holds or held it."""
+    """State (pending, running, finished or failed), tries so far, and the worker that holds or held it."""
 
     state: EvaluationState = "pending"
     attempts: int = 0
@@ -57,7 +57,7 @@ class Claimed:
 
 @dataclass(frozen=True, slots=True)
 class Duplicated:
-    """Another worker takes it up as well, because it is overdue; whoever answers first counts."""
+    """Another worker takes it up as well, because it is overdue; the first answer counts."""
 
     worker: str
 
@@ -140,11 +140,11 @@ def _result(status: EvaluationStatus, event: ResultArrived) -> tuple[EvaluationS
     if event.failed and event.again:
         if event.attempt > status.attempts:
             return status, "ignored"
-        # Whoever else is at it now goes on.
+        # Another worker that is at it continues.
         return (replace(status, state="pending", worker=None) if holds else status), "retried"
     if event.failed and status.state == "running" and not holds:
         return status, "retried"  # the other try under way may still succeed
-    # The first result counts, whoever holds the lease now.
+    # The first result counts, whichever worker holds the lease now.
     return EvaluationStatus("failed" if event.failed else "finished", status.attempts, event.worker), "counted"
 
 

@@ -182,7 +182,7 @@ class RecordGeneration:
 
 @dataclass(frozen=True, slots=True)
 class PublishEvent:
-    """Tell who watches."""
+    """Notify watchers."""
 
     kind: Literal["state", "generation"]
     data: dict[str, Any]
@@ -214,7 +214,7 @@ def apply(job: JobStatus, event: JobEvent, course: Course | None = None) -> Tran
 
     Parameters
     ----------
-    calibration
+    course
         Needed for :class:`GenerationJoined` only.
 
     Raises

@@ -81,7 +81,7 @@ class Store:
         """Return the free space on the disk of an SQLite file [bytes]; None for other databases."""
         try:
             return None if self._file is None else self._file.free_bytes()
-        except OSError:  # the folder has gone; whoever reads or writes is told
+        except OSError:  # the folder has gone; the next read or write reports it
             return None
 
     def shortage(self, reserve_bytes: float) -> str | None:

@@ -45,7 +45,7 @@ class EventListener:
         self._ring = ring
         self._ended = threading.Event()
         self.live = False
-        """Whether the database tells now; if not, look yourself."""
+        """Whether the database announces events now; if not, query it."""
 
     def start(self) -> None:
         """Start listening; does nothing if the database cannot notify."""
@@ -78,4 +78,4 @@ class EventListener:
                         self._ring()
             finally:
                 self.live = False
-                connection.invalidate()  # so that nobody else gets a connection that listens
+                connection.invalidate()  # so that the pool does not return a connection that listens

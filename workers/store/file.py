@@ -48,7 +48,7 @@ class DatabaseFile:
 
     def make(self) -> None:
         """Make the file for this user only, where there is none; SQLite gives its journals the same mode."""
-        with contextlib.suppress(OSError):  # it is there, or SQLite tells why it cannot be made
+        with contextlib.suppress(OSError):  # it is there, or SQLite reports why it cannot be made
             os.close(os.open(self.path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
 
     def remember(self) -> None:

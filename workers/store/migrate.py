@@ -46,7 +46,7 @@ def upgrade(engine: Engine) -> None:
         with connection.begin():
             if engine.dialect.name == "postgresql":
                 connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": ADVISORY_LOCK})
-            # Whoever waited for the lock finds the work done.
+            # Another process did it while this one waited for the lock.
             if _revision(connection) != HEAD:
                 _run_migrations(connection)
 

@@ -109,7 +109,7 @@ jobs = Table(
     Column("rung_at", Double),  # a sweep last rang for it
     Column("priority", Integer, nullable=False, server_default="0"),  # among the jobs of one owner
     Column("shared_priority", Integer, nullable=False, server_default="0"),  # among owners: an administrator's
-    Column("line", String(80), nullable=False, server_default=""),  # the one of its owner, empty: nobody's
+    Column("line", String(80), nullable=False, server_default=""),  # the one of its owner, empty: no owner
     Column("place", Double, nullable=False, server_default="0"),  # in this line, the lowest first
     Column(
         "retry_to", String(16)
@@ -151,7 +151,7 @@ generations = Table(
     Column("parameters", Text),
     Column("created_at", Double, nullable=False),
     Column("finished_at", Double, nullable=False),
-    Index("ix_generations_best", "job_id", "number", "best_objective"),  # tells where good evaluations are
+    Index("ix_generations_best", "job_id", "number", "best_objective"),  # finds good evaluations
 )
 
 evaluations = Table(
@@ -325,7 +325,7 @@ hooks = Table(
     "hooks",
     metadata,
     Column("id", String(16), primary_key=True),
-    Column("owner", String(80)),  # whose jobs it tells of; null: those of nobody
+    Column("owner", String(80)),  # whose jobs it announces; null: those without an owner
     Column("job_id", String(32), ForeignKey("jobs.id", ondelete="CASCADE")),  # null: all jobs of the owner
     Column("kind", String(8), nullable=False),  # web, mail
     Column("target", Text, nullable=False),  # address
@@ -348,7 +348,7 @@ deliveries = Table(
     Column("tries", Integer, nullable=False),
     Column("due_at", Double, nullable=False),  # the next try
     Column("held_until", Double),  # a process is trying, or was lost in mid-try
-    Column("body", Text),  # made at the first try, so that every try tells the same
+    Column("body", Text),  # made at the first try, so that every try sends the same
     Column("error", Text),
     Column("created_at", Double, nullable=False),
     Column("ended_at", Double),

@@ -64,7 +64,7 @@ def _kernel() -> Any:
 
 
 class JobObject:
-    """One job object. Where the system refuses it, the tree of processes is found by who has started whom."""
+    """One job object. Where the system refuses it, the tree of processes is found by their parents."""
 
     def __init__(self) -> None:
         self._kernel = _kernel()

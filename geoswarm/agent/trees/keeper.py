@@ -1,7 +1,7 @@
 """The keeper of a run (POSIX): stands between an agent and the process that evaluates, and outlives neither's tree.
 
 It adopts what its descendants leave behind. When its standard input ends, because the agent wants that or has died in
-whatever way, it kills all that is below it and ends. When the process ends by itself, it does the same and tells how.
+whatever way, it kills all that is below it and ends. When the process ends by itself, it does the same and reports how.
 """
 
 from __future__ import annotations

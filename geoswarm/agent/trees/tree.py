@@ -29,7 +29,7 @@ class Tree(Protocol):
 
     requests: IO[bytes]
     answers: IO[bytes]
-    """Closed by who reads them, at their end: it comes when all is killed."""
+    """Closed by the reader, at their end: it comes when all is killed."""
 
     def memory_mb(self) -> float:
         """Memory of the process and all that it has started [MiB]."""
@@ -135,7 +135,7 @@ class _Kept:
 
 
 class _Plain:
-    """Alone: its tree is found by who has started whom, and on Windows by its job object."""
+    """Alone: its tree is found by the parents of processes, and on Windows by its job object."""
 
     def __init__(self, arguments: Sequence[str], environment: Mapping[str, str], job: JobObject | None) -> None:
         self._job = job

@@ -36,7 +36,7 @@ def check_command(problem: Path, accept: tuple[str, ...], as_json: bool) -> None
 
     loaded = load_problem(problem, accepting(accept))
     from geoswarm.solver.external.trial import watched
-    from geoswarm.solver.runs.check import check_problem  # a mistake in the problem is told before all this is imported
+    from geoswarm.solver.runs.check import check_problem  # after a mistake in the problem is reported
 
     compile_seconds = ready(loaded)
     warn_of_many_points(loaded)

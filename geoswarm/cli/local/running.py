@@ -57,7 +57,7 @@ def _opened(place: Path, problem: Problem) -> RunFolder:
     cut_off = (place / JOURNAL).is_file()
     try:
         opened = open_run_folder(place, problem, seed=None, offer=None, resume=cut_off)
-    except OtherRunError:  # nobody can ask for it any more
+    except OtherRunError:  # it cannot be asked for any more
         (place / JOURNAL).unlink()
         opened = open_run_folder(place, problem, seed=None, offer=None, resume=False)
     assert opened is not None  # only a finished one is none

@@ -43,7 +43,7 @@ class Mark:
     "marks",
     multiple=True,
     metavar="NAME=VALUE[@LINE]",
-    help="A number of the example that is a parameter; may be repeated. The line tells equal numbers apart.",
+    help="A number of the example that is a parameter; may be repeated. The line distinguishes equal numbers.",
 )
 @click.option("--result", prompt="File that it writes its results to", help="File with the results, in the run folder.")
 @click.option(
@@ -127,7 +127,7 @@ def marked(text: str, marks: Sequence[Mark], file: str) -> str:
     Raises
     ------
     BadInputError
-        A number is not there, or stands in several places.
+        A number is missing, or occurs in several places.
 
     Examples
     --------
@@ -152,7 +152,7 @@ def marked(text: str, marks: Sequence[Mark], file: str) -> str:
         if len(found) > 1:
             places = ", ".join(str(number) for number, _ in found[:10])
             raise BadInputError(
-                f"--mark {mark.name}={mark.value:g}: it stands in {len(found)} places (lines {places}); "
+                f"--mark {mark.name}={mark.value:g}: it occurs in {len(found)} places (lines {places}); "
                 f"give {mark.name}={mark.value:g}@LINE, or mark it by hand in the template as {{{{{mark.name}}}}}"
             )
         ((number, match),) = found

@@ -6,7 +6,7 @@
 ``export``      ``geoswarm export``: all evaluations of a job
 ``failures``    why evaluations failed, and another try: ``geoswarm show ID --failures``, ``--attempts`` and ``retry-
                 failed``
-``hooks``       ``geoswarm hooks``: whom a service tells when a job has ended
+``hooks``       ``geoswarm hooks``: notifications of a service when a job has ended
 ``jobs``        ``geoswarm list``, ``show``, ``cancel``, ``pause``, ``resume`` and ``workers``
 ``keys``        ``geoswarm keys``: API keys, in the database itself, so that the first one needs none
 ``progress``    the progress bar of searches: on stderr, and only on a terminal

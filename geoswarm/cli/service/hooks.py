@@ -1,4 +1,4 @@
-"""``geoswarm hooks``: whom a service tells when a job has ended."""
+"""``geoswarm hooks``: notifications of a service when a job has ended."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ _BESIDE_THE_NAME = 64  # bar, numbers and time
 
 @contextmanager
 def counted(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Say what is done in the body; on a terminal with "3 of 9", by what the body tells, until it has ended."""
+    """Say what is done in the body; on a terminal with "3 of 9", by what the body reports, until it has ended."""
     if not sys.stderr.isatty():
         note(what)
         yield lambda _done, _of: None

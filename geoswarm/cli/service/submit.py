@@ -80,7 +80,7 @@ def submit_command(
         if accept:
             given = _accepting(accept, given)
         job = client.submit(given, idempotency_key=idempotency_key)
-        for target in notify:  # a job that has ended meanwhile is told of at once
+        for target in notify:  # a job that has ended meanwhile is announced at once
             tell_secret(_hooked(client, target, job))
         if watch:
             note(f"Job {job.id}; Ctrl-C stops watching; the job continues.")
@@ -95,7 +95,7 @@ def _hooked(client: Client, target: str, job: Job) -> NewHook:
     try:
         return add_hook(client, target, job.id)
     except BadInputError as error:
-        raise BadInputError(f"job {job.id} is submitted, but nobody will be notified when it ends: {error}") from error
+        raise BadInputError(f"job {job.id} is submitted, but its end will not be notified: {error}") from error
 
 
 def _learning_from(jobs: list[str], problem: Path) -> dict[str, Any]:

@@ -115,7 +115,7 @@ def _show(job: Job, url: str | None) -> None:
             "evaluations": f"{job.evaluations} in {job.generations} generations (the paper: {_PUBLISHED_RUNS})",
             "search": duration(job.seconds),
         }
-        | ({} if url is None else {"page": f"{url}/jobs/{job.id}"}),  # nobody serves a page when the command has ended
+        | ({} if url is None else {"page": f"{url}/jobs/{job.id}"}),  # no page is served when the command has ended
     )
 
 

@@ -79,7 +79,7 @@ async def reweight(
     weights, point_weights
         w_g by series and w_h of every point by series.
     weighting
-        ``by_error``, ``by_count``, ``by_range`` or ``by_test`` in place of ``weights``, or
+        ``by_error``, ``by_count``, ``by_range`` or ``by_test`` instead of ``weights``, or
         ``by_spread`` for those of points.
     noise
         Standard deviation of a reading, base units, for ``by_error``.
@@ -157,7 +157,7 @@ async def profile(
 async def jackknife(
     self: AsyncConnection, job_id: str, *, runs: int | None = None, idempotency_key: str | None = None
 ) -> Job:
-    """Submit a follow-up that fits the parameters without each test, with at most so many runs.
+    """Submit a follow-up that fits the parameters without each test, with a limited number of runs.
 
     The job must have its sensitivities already, and three tests or more.
 

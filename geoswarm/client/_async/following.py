@@ -66,7 +66,7 @@ async def wait(
     'finished'
     """
     deadline = None if timeout is None else time.monotonic() + timeout
-    await get(self, job_id)  # an unknown job, or no service, is told at once
+    await get(self, job_id)  # an unknown job, or no service, is reported at once
     try:
         async with aclosing(_follow(self, job_id, 0, deadline)) as coming:
             async for event in coming:

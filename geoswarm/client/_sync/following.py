@@ -65,7 +65,7 @@ def wait(
     'finished'
     """
     deadline = None if timeout is None else time.monotonic() + timeout
-    get(self, job_id)  # an unknown job, or no service, is told at once
+    get(self, job_id)  # an unknown job, or no service, is reported at once
     try:
         with closing(_follow(self, job_id, 0, deadline)) as coming:
             for event in coming:

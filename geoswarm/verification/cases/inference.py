@@ -229,7 +229,7 @@ def sobol() -> Answer:
     ),
     source="normal equations of linear least squares",
     reference="(XᵀX)⁻¹ Xᵀ y and its sum of squares",
-    allowed="where the search is told to stop: 1e-6 of the least sum of squares above it",
+    allowed="where the search stops: 1e-6 of the least sum of squares above it",
 )
 def searches() -> Answer:
     """Objective above the minimum over evaluations."""

@@ -6,7 +6,7 @@ Universitaet Stuttgart; PLAXIS, "Material models manual", chapter on small-strai
 
 ::
 
-    gamma_hist = sqrt(3) |H de|/|de|                       what the history H tells of the way de: 3/2 eps_q on a
+    gamma_hist = sqrt(3) |H de|/|de|                       what the history H knows of the way de: 3/2 eps_q on a
                                                            straight way, e1 - e3 in the triaxial test
     T = diag(t), t_i = 1/sqrt(1 + H_ii) where H_ii de_i < 0, else 1      on the principal axes of de
     H <- T (H + 1) T - 1 + de                              what turned back begins again
@@ -18,7 +18,7 @@ R = 0 until strain turns: g is gamma_hist. After a turn the curve is twice as la
 the past it goes on along the first one (extended Masing rules; programs double gamma_07 without an end that we
 found). A part r = 1 - gamma_hist(after T)/gamma_hist(before T) of a turn counts as r g, so that rounding is no turn.
 
-G0 and Gur depend on stress alike, so all is told by k = Gt/Gur, at least 1. A step has its mean over gamma_hist, exact
+G0 and Gur depend on stress alike, so k = Gt/Gur says all, at least 1. A step has its mean over gamma_hist, exact
 on a straight way: the stress difference of the secants.
 """
 

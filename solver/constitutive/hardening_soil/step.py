@@ -164,7 +164,7 @@ def hardening_soil_step(
         active &= ~TENSION
     if active and first[0] - first[2] > BEYOND * size:  # two equal trial stresses stay equal, as in triaxial tests
         edge = 1 if first[1] - first[2] <= BEYOND * size else (2 if first[0] - first[1] <= BEYOND * size else 0)
-    # What the last try tells leads to the next one; so once more, with care; then all sets of surfaces and edges.
+    # The last try leads to the next one; so once more, with care; then all sets of surfaces and edges.
     begin, tries, careful, listed = (active, edge), 0, False, -1
     for _ in range(2 * _TRIES + 32):
         if listed < 0 and tries == _TRIES:

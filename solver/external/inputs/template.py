@@ -8,7 +8,7 @@
     port {{4000 + slot}}
 
 A placeholder is an expression (:mod:`geoswarm.solver.expressions`) of parameters and of ``slot``, the number of the
-place where the run happens, from 0. It stands in one line. Behind a colon follows a format (``%e %f %g %d %s`` with
+place where the run happens, from 0. It is on one line. After a colon follows a format (``%e %f %g %d %s`` with
 width and digits). Without one a number is written with as many digits as bring back the same bits, 17 at most, and
 always with a decimal point: ``20.0``, ``1.0e-05``; what is made of ``slot`` and numbers alone, and is whole, is written
 without one.
@@ -113,7 +113,7 @@ class Template:
                     raise TemplateError(message, self.file, one.line, one.column)
 
     def fill(self, values: Mapping[str, float]) -> str:
-        """Return the file with the values in place of the placeholders.
+        """Return the file with values instead of placeholders.
 
         Parameters
         ----------

@@ -73,7 +73,7 @@ class OutputReader(BaseModel, ABC):
         return ()
 
     def with_sources(self, folder: Path) -> OutputReader:
-        """Return the same reader with the contents of its :attr:`sources` in place of their names.
+        """Return the same reader with the contents of its :attr:`sources` instead of their names.
 
         Parameters
         ----------

@@ -44,7 +44,7 @@ def parse_dataset(text: str) -> Dataset:
     Raises
     ------
     ValueError
-        It is none, or not exactly one ``*`` stands in the brackets.
+        It is none, or the brackets do not hold exactly one ``*``.
     """
     found = _DATASET.fullmatch(text.strip())
     if found is None:

@@ -3,7 +3,7 @@
 ================  ==================================================================
 ``case``          what a control file says, as far as a problem can say it
 ``reading``       reads one, with pyEMU (extra ``pest``)
-``sections``      what stands in a control file beside: told, never silently dropped
+``sections``      other contents of a control file: reported, never silently dropped
 ``command_line``  its command line, split without a shell
 ``names``         names that a problem accepts
 ``parameters``    transformations, bounds, ties, SCALE and OFFSET

@@ -95,7 +95,7 @@ def _decoded(content: bytes) -> str:
 
 
 def _control(path: Path, text: str) -> Any:
-    """The ``Pst`` of pyEMU, which prints its doubts and has its own classes for nothing: any of its errors is told.
+    """The ``Pst`` of pyEMU, which prints warnings and has no error classes of its own: each of its errors is reported.
 
     It reads a copy with the text in its own form: exponents with e, small letters.
     """

@@ -117,7 +117,7 @@ def _owners(case: PestCase, read: Mapping[str, Sequence[str]]) -> dict[str, str]
 
 
 def told_x(names: Sequence[str]) -> tuple[list[float], str]:
-    """Return x of each observation, told by their names where that is possible, and in words where it comes from.
+    """Return x of each observation, from their names where that is possible, and in words where it comes from.
 
     >>> told_x(["h_10", "h_2.5"])
     ([10.0, 2.5], 'the number at the end of the names')

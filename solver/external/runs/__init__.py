@@ -1,7 +1,7 @@
 """One run of a user's program.
 
 ================  ========================================================================
-``fingerprints``  what tells one version of a file from another
+``fingerprints``  what distinguishes versions of a file
 ``sources``       the files that each run gets, read once
 ``folder``        a new folder for each run, and which of them are kept
 ``program``       starts a program, bounds its time and output, ends its process tree

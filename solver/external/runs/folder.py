@@ -115,7 +115,7 @@ def tidy(parent: Path) -> None:
 
 @cache
 def _here() -> str:
-    """What tells the processes that this one can see from those of other machines and containers."""
+    """What distinguishes the processes that this one can see from those of other machines and containers."""
     try:
         space = str(Path("/proc/self/ns/pid").readlink()) + Path("/proc/sys/kernel/random/boot_id").read_text()
     except OSError:
@@ -124,7 +124,7 @@ def _here() -> str:
 
 
 def _started(pid: int) -> str:
-    """When a process has begun, in the system's own ticks where it tells them; empty: there is no such process."""
+    """When a process has begun, in the system's own ticks where it has them; empty: there is no such process."""
     with contextlib.suppress(OSError, IndexError):
         return Path(f"/proc/{pid}/stat").read_text(errors="replace").rpartition(")")[2].split()[19]
     with contextlib.suppress(psutil.Error):

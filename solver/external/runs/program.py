@@ -311,7 +311,7 @@ def _kill_marked(mark: str) -> None:
         for pid in left:
             _kill(pid)
         killed.update(left)
-        for pid in killed:  # orphans are ours to collect; nobody else's are
+        for pid in killed:  # orphans are ours to collect, other processes are not
             with contextlib.suppress(ChildProcessError):
                 os.waitpid(pid, os.WNOHANG)
         if not left or time.monotonic() > deadline:

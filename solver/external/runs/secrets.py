@@ -11,7 +11,7 @@ from geoswarm.solver.system.environment import ALLOWED
 __all__ = ["HIDDEN", "Secrets", "private_values"]
 
 HIDDEN = "***"
-"""What stands in their place."""
+"""Replaces their values."""
 
 _SHORT = 2  # characters: such a value is hidden where it stands alone, or no word would be left
 _PLACEHOLDERS = re.compile(r"(\{[A-Za-z_]\w*\})*")

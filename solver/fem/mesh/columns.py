@@ -168,7 +168,7 @@ def plan_columns(geometry: SectionGeometry, element_length: Profile) -> ColumnPl
     for mark, x in positions.items():
         if not low - merged <= x <= high + merged:
             raise MeshError(f"{_words(mark)} at x = {x:g} m lies outside the surface, from {low:g} to {high:g} m")
-    chosen: list[tuple[float, int, Mark]] = []  # in the order of x; the number tells which came first
+    chosen: list[tuple[float, int, Mark]] = []  # in the order of x; the number is the order of their definition
     alias: dict[Mark, Mark] = {}
     for number, (mark, x) in enumerate(positions.items()):
         place = bisect(chosen, (x, number, mark))

@@ -1,8 +1,8 @@
 """Structured meshes of layered sections: columns and rows of cells, each of two six-node triangles.
 
-The topology (who is whose neighbour) is planned once from a nominal geometry. After that the mesh of any other geometry
-has the same numbers, and each of its nodes is a continuous function of the geometry's numbers: an objective over depth
-or thickness of a layer is as smooth as one over a modulus.
+The topology (which elements are neighbours) is planned once from a nominal geometry. After that the mesh of any other
+geometry has the same numbers, and each of its nodes is a continuous function of the geometry's numbers: an objective
+over depth or thickness of a layer is as smooth as one over a modulus.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def read_mesh(path: Path, interfaces: Sequence[str] = (), scale: float = 1.0, *,
     scale
         Length of the file's unit, m.
     keep_lines
-        Whether lines inside the body stay among the boundaries, for somebody who will open the mesh later.
+        Whether lines inside the body stay among the boundaries, for those who open the mesh later.
 
     Raises
     ------

@@ -10,6 +10,6 @@
 ``umbridge_model``   the forward model that a server is: one request for each evaluation
 ===================  ==========================================================================================
 
-What they are made of lies in :mod:`geoswarm.solver.external`; models that an operator registers, in
+Their parts are in :mod:`geoswarm.solver.external`; models that an operator registers, in
 :mod:`geoswarm.solver.registered`.
 """

@@ -119,7 +119,7 @@ class CommandSpec(ForwardModelSpec):
     )
     keep: Keep = Field("failed", description="Which run folders are kept: failed (the last 20), all or none.")
     folder: str | None = Field(None, description="Folder of its files; that of the problem file unless given.")
-    # What a canonical problem has beside: nobody writes it.
+    # Only in canonical problems; users do not write it.
     contents: SkipJsonSchema[dict[str, str] | None] = Field(None, description="texts of the templates")
     versions: SkipJsonSchema[dict[str, str] | None] = Field(None, description="fingerprints of copied and linked files")
 

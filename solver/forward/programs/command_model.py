@@ -65,7 +65,7 @@ class CommandModel(ForeignModel):
     texts
         Further names that are replaced in arguments and environment, ``{name}``.
     private
-        Whether messages hide the values of its environment: it is not that of who reads them.
+        Whether messages hide the values of its environment, which is not the reader's.
 
     Raises
     ------
@@ -331,7 +331,7 @@ def _failure(error: Exception, ended: Ended | None, folder: RunFolder, keep: Kee
 
 
 def _mark(spec: CommandSpec) -> str:
-    """What tells the slots of one program from others: their name, else where its files lie and what is called."""
+    """What distinguishes the slots of one program: their name, else the place of its files and the command."""
     if spec.pool:
         return f"pool-{spec.pool}"
     return hashlib.sha256(f"{spec.folder}\0{spec.run[0]}".encode()).hexdigest()[:16]

@@ -60,7 +60,7 @@ class PythonSpec(ForwardModelSpec):
         False, description="whether its runs are so short that up to 200 may follow a short search, for intervals"
     )
     folder: str | None = Field(None, description="folder of the file; that of the problem file unless given")
-    # What a canonical problem has beside: nobody writes it.
+    # Only in canonical problems; users do not write it.
     version: SkipJsonSchema[str | None] = Field(None, description="SHA-256 of the file")
     signature: SkipJsonSchema[Signature | None] = Field(None, description="arguments of the function")
     session: SkipJsonSchema[str | None] = Field(None, description="of a function of a Python session, without file")

@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 _LEVEL = 0.95
-_REPRODUCED = 1e-10  # of the mean square of the measured values: no measurement tells fits apart below it
+_REPRODUCED = 1e-10  # of the mean square of the measured values: no measurement distinguishes fits below it
 _OUTSIDE = 1.5  # times as far from the optimum as the curvature there allows
 _LEAST_APART = 1e-3  # parts of the range
 _UNFINISHED = 10.0  # times the limit: a basin left there may hold as good a fit
@@ -172,7 +172,7 @@ def exchangeable(calibration: Calibration, optimum: FloatArray) -> tuple[tuple[s
 
     Their scales agree, both or neither take whole numbers, their ranges have half of the wider one in common, and the
     swapped values lie in both and satisfy the constraints; those with the same bounds come first. Whether they can be
-    exchanged, only a run with the swapped values tells.
+    exchanged, only a run with the swapped values shows.
     """
     free, names = calibration.problem.free, calibration.free_names
     low, high = calibration.space.search_lower, calibration.space.search_upper
@@ -201,7 +201,7 @@ def exchanges(
 ) -> tuple[tuple[str, str], ...]:
     """Pairs of parameters whose swapped values gave the same objective: other runs, against the optimum and the best.
 
-    Not those that act only in combination, or not at all: swapping tells nothing more of them.
+    Not those that act only in combination, or not at all: swapping shows nothing more of them.
     """
     places, objectives = _best_places(samples, linearisation, best)
     found = []

@@ -1,7 +1,7 @@
 """Whether the model is nonlinear within the intervals at an optimum, and intervals by likelihood where it does.
 
 A linearised interval of a parameter ends where the objective of the *linearised* model, the others refitted, has
-risen by a limit. One forward run at each end tells how much that of the model itself rises there: what the linearised
+risen by a limit. One forward run at each end shows how much that of the model itself rises there: what the linearised
 effects of the other parameters can take off its residuals is taken off. With tau^2 the ratio of the two rises, the
 interval by likelihood is about 1 / tau as long on that side (the profile t plot of Bates and Watts 1988, section 6.1,
 at one place). Where that differs by a tenth to a fifth, both ends are moved so; by more, the profile objective gives

@@ -21,7 +21,7 @@ _TAKES_PART = 0.05  # component from which a parameter belongs to a combination
 _INFLUENCE = 1e-9  # of the longest column
 _ROUNDING = 1e-11  # of the measured values
 _ZERO = 1e-5  # relative size up to which the error of a singular value that is 0 does not matter
-_BELOW_NOISE = 1.0  # change through the whole range, in noise of one reading, that nobody would see
+_BELOW_NOISE = 1.0  # change through the whole range, in noise of one reading, that would not be seen
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,7 +49,7 @@ class Unseen:
     best
         Objective of the optimum.
     made
-        The last so many runs were made to look for basins.
+        This number of runs, the last ones, looked for basins.
     """
 
     factor: FloatArray
@@ -106,7 +106,7 @@ class Unseen:
         Parameters
         ----------
         found
-            Rise up to which a run counts as another fit, which is told as such.
+            Rise up to which a run counts as another fit, and is reported as one.
         looked
             Other basins that are known: where descents have begun or ended, parts of the range, each of shape (d,).
         height

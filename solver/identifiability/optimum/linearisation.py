@@ -130,7 +130,7 @@ class Linearisation:
         What each interval rests on.
     bending
         Relative difference of an end of each interval by likelihood from the linearised one, the larger of both, shape
-        (d,); nan where nobody looked (:mod:`geoswarm.solver.identifiability.optimum.bending`).
+        (d,); nan where this was not calculated (:mod:`geoswarm.solver.identifiability.optimum.bending`).
     dependence
         Series whose noise is or may be correlated, or is of uneven size; intervals allow for it, standard errors do
         not.

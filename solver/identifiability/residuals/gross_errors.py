@@ -21,7 +21,7 @@ GROSS_LEVEL = 0.01
 
 _FEWEST_FREE = 3.0  # readings of a series beyond the parameters that they determine
 _LEAST_FREE = 1.5  # the same, without the one that is compared with the others
-_SHARE = 8  # at most one reading in so many is looked for, and one in any case
+_SHARE = 8  # at most one reading in this number is looked for, and one in any case
 _MOST = 10
 _MET = 1.2  # scatter of the others, over the stated error, up to which that error is believed
 _FREE_LEVERAGE = 1e-6  # what the fit leaves of a reading that it does not follow

@@ -113,7 +113,7 @@ class FitVerdict:
         return f"{FITS[self.kind]}, so no interval holds" if self.caution else FITS[self.kind]
 
     def between(self, tests: int) -> FitVerdict:
-        """The same where intervals count each of so many tests as one piece of information.
+        """The same where intervals count each test as one piece of information.
 
         What is missed by far, or no soil can have, is no matter of tests that differ.
         """
@@ -200,7 +200,7 @@ def examine_fit(
         moved = rank and along > _FAR * max(rest, 1.0)  # what the others say of themselves is known at their minimum
         if moved and not gross:
             return untested(_NOT_YET, follow_up("sensitivity"))
-        if moved or free < FEWEST_FREE:  # too few for a pattern; their size tells from the first on
+        if moved or free < FEWEST_FREE:  # too few for a pattern; their size is tested from the first on
             return _verdict(calibration.problem, readings, [*gross, *exceeded], patterns=False)
     parts, places = _parts(calibration.problem, readings)
     misfits = [*_patterns(readings, parts, places, deviations, known is not None)]

@@ -4,7 +4,7 @@
 ``study``               all of these in one go
 ``filtering``           threshold of good fits, given or proposed
 ``correlations``        Pearson and Spearman with confidence intervals
-``projections``         the objective over each parameter, and what its shape tells
+``projections``         the objective over each parameter, and what follows from its shape
 ``verdicts``            identified, bounded on one side, in combination, not identified
 ``proposals``           fix, link, widen, add a test; as changes of the problem file
 ``surface``             response surface over stored evaluations, checked by hold-out

@@ -194,7 +194,7 @@ def _sensitivity(
         if search.ends is None:
             last_difference = position + len(due)
         elif position + len(due) > len(evaluations):
-            break  # nobody has looked yet whether the model is nonlinear
+            break  # not tested yet whether the model is nonlinear
         if position + len(due) > len(evaluations):
             going_on = "the descent to the minimum has not ended" if search.descending else _INCOMPLETE
             return Findings(start_objective=start, notes=(going_on,))

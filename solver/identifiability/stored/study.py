@@ -251,7 +251,7 @@ def analyse(
     linearisation
         At the optimum, from :func:`geoswarm.solver.identifiability.from_evaluations`.
     at_optimum
-        Responses at a polished optimum, whose residuals are examined in place of those of the best sample.
+        Responses at a polished optimum, whose residuals are examined instead of those of the best sample.
     elsewhere
         Parameters, natural values, and objectives of minima in other basins, beyond the samples.
     left

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["FEWEST_GOOD_FITS", "in_words", "where_intervals_hold"]
 
 FEWEST_GOOD_FITS = 10
-_SMALLEST = 0.001  # share that is told
+_SMALLEST = 0.001  # share that is named
 _MORE_RUNS = "calculate sensitivities at the optimum, or sample the space"
 
 

@@ -42,7 +42,7 @@ class CandidateWorth:
         Expected reduction of the geometric mean of all intervals, of the common region (its d-th root), and of the band
         that is predicted; None where nothing is.
     distinguishes
-        Probability that it tells the two basins apart that are hardest to; None with one basin.
+        Probability that it distinguishes the two basins that are closest; None with one basin.
     per_cost
         Decrease of log width by the criterion for each unit of cost; None without costs.
     """

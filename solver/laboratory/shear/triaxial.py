@@ -122,8 +122,8 @@ class TriaxialSpec(LaboratorySpec):
     the strain is first reached in it. ``time_q`` runs over the time since the beginning of shearing, ``stage_q`` over
     stages and ``consolidation_q`` over those of consolidation (values at their ends), ``cycle_q`` over cycles (at
     their ends; ``cycle_max_q`` and ``cycle_min_q`` inside them), ``path_q`` over the mean stress p, where that is
-    first reached. What is never reached counts as its closest approach. A path that turns is told better by q and p
-    over the strain.
+    first reached. What is never reached counts as its closest approach. q and p over the strain describe
+    a path that turns better.
 
     Undrained, the volume is constant, or the water has a ``water_bulk_modulus``; the pore pressure is the total stress
     that the test keeps less the effective one.

@@ -28,7 +28,7 @@ class SharedPlaces(NamedTuple):
     least_log_time: int = 6
     """The least time increment, day, as many divide by it, and its logarithm."""
     limit: int = 7
-    """Place in the state of the variable that tells whether the point yields; -1: none."""
+    """Place in the state of the variable that shows whether the point yields; -1: none."""
     own: int = 8
 
 
@@ -41,7 +41,7 @@ NUMBERS = types.CPointer(types.float64)  # type: ignore[no-untyped-call]  # Numb
 
 
 def numbers_on_the_stack(size: int) -> Any:
-    """A function, for kernels, that makes room for so many numbers of 8 bytes as long as its caller runs."""
+    """A function, for kernels, that reserves memory for numbers of 8 bytes as long as its caller runs."""
 
     @intrinsic
     def room(typing_context):  # type: ignore[no-untyped-def]  # Numba has no types

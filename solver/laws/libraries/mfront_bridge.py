@@ -6,11 +6,11 @@ positive in it; tensors are vectors in the notation of Mandel, shear times sqrt(
 four or six of them. It exists once for each hypothesis: three dimensions for six components, plane strain (or axial
 symmetry) for four.
 
-Everything that a behaviour needs beside the strain increment stands in the constants: what all laws in libraries have
-(:data:`geoswarm.solver.laws.libraries.calls.SHARED`), its addresses (:data:`PLACES`), and from ``tail`` on the kinds of
-its internal state variables, external state variables and material properties. The state holds the internal state
-variables as the behaviour knows them, a tensor with six numbers, and behind them the total strain (6,), compression
-positive.
+Everything that a behaviour needs in addition to the strain increment is in the constants: what all laws in libraries
+have (:data:`geoswarm.solver.laws.libraries.calls.SHARED`), its addresses (:data:`PLACES`), and from ``tail`` on the
+kinds of its internal state variables, external state variables and material properties. The state holds the internal
+state variables as the behaviour knows them, a tensor with six numbers, and behind them the total strain (6,),
+compression positive.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 A UMAT is a Fortran subroutine with 37 arguments by reference, the length of the text CMNAME behind them by value.
 Tension is positive in it, shear strains are engineering ones, the order is 11, 22, 33, 12, 13, 23, or 12, 23, 13 where
-that is declared. Everything that the routine needs beside the strain increment stands in the constants
+that is declared. Everything that the routine needs in addition to the strain increment is in the constants
 (:data:`geoswarm.solver.laws.libraries.calls.SHARED`, :data:`PLACES`), its address included, so that one function serves
 all routines and is compiled once.
 

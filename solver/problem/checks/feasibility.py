@@ -1,4 +1,4 @@
-"""A bounded search for one admissible point, so that a problem nobody can satisfy is refused before it runs."""
+"""A bounded search for one admissible point, so that a problem without any is refused before it runs."""
 
 from __future__ import annotations
 

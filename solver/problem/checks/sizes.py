@@ -17,7 +17,7 @@ MAX_DESIGN_VALUES = 20_000_000
 """Samples times free parameters of a design that is drawn as a whole."""
 
 MAX_VALUES = 1_000_000_000
-"""Planned evaluations times measured points: so many calculated values are stored."""
+"""Planned evaluations times measured points: the number of calculated values that are stored."""
 
 
 def point_issues(counts: Iterable[int]) -> list[Issue]:

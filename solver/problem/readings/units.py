@@ -11,7 +11,7 @@ from geoswarm.solver.units import UnitError, convert, same_unit
 __all__ = ["UNSTATED", "unit_of_data"]
 
 UNSTATED = "unstated"
-"""In place of a unit, where readings come from a file that names none: right for numbers without dimension only."""
+"""Instead of a unit, where readings come from a file that names none: right for numbers without dimension only."""
 _USUAL = {"m": "mm, cm or m", "day": "s, min, h or day", "kPa": "kPa, MPa or kg/cm2", "degree": "degree or rad"}
 """Units that laboratories write, as examples."""
 

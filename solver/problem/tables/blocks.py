@@ -375,7 +375,7 @@ def _with_unit(name: str, unit: str) -> str:
 
 
 def _parts(row: Sequence[Cell]) -> list[tuple[str, str]]:
-    """Name and unit in each cell of a row of headings; in a row of units a word is a unit, too, which nobody knows.
+    """Name and unit in each cell of a row of headings; in a row of units a word is an unknown unit, too.
 
     Where units are in brackets, ``[min]``, ``Gauge 2``, words without them are names.
     """

@@ -138,7 +138,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
     name
         Its name, for messages.
     read
-        Reads the cells; who reads several parts of a file may keep them.
+        Reads the cells; callers that read several parts of a file may keep them.
 
     Raises
     ------

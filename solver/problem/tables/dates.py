@@ -92,7 +92,7 @@ def moment_in(cell: Cell, form: DateForm | None = None) -> datetime | None:
     if found is None:
         return _spelled_out(cell)
     if form is None and found[2] != ".":
-        return None  # who writes 03/04/2024 may mean either
+        return None  # 03/04/2024 may mean either
     if form == "year_first":
         return _moment(found[1], int(found[3]), found[4], found.groups()[4:]) if len(found[4]) == 2 else None
     month_first = form == "month_first"

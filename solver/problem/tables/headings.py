@@ -95,7 +95,7 @@ class Named:
     base
         Base unit of its dimension.
     certain
-        Whether it stands in brackets or behind ``in``.
+        Whether it is in brackets or after ``in``.
     text
         As it stands.
     label
@@ -117,7 +117,7 @@ class Heading:
     """A heading and the units that it, a comment or the cells below it name.
 
     ``dates``: the column holds dates, which are read as days. ``in_cells``: the cells themselves have the unit.
-    ``named`` holds also what stands in place of a unit and is not known. ``first`` are the first values.
+    ``named`` also holds what is at the place of a unit and is not known. ``first`` are the first values.
     """
 
     name: str
@@ -134,7 +134,7 @@ class Heading:
 
     @property
     def certain(self) -> bool:
-        """Whether that unit stands in brackets, behind ``in``, or in the cells."""
+        """Whether that unit is in brackets, after ``in``, or in the cells."""
         best = best_unit(self.named)
         return best is not None and best.certain
 
@@ -197,7 +197,7 @@ def unclear_unit(named: Iterable[Named]) -> str | None:
 
 
 def without_brackets(heading: str) -> str:
-    """A heading without what stands in brackets, in which remarks and units are."""
+    """A heading without its brackets, which hold remarks and units."""
     return " ".join(_BRACKETS.sub(" ", heading[:_LONGEST]).split()).rstrip("_")
 
 

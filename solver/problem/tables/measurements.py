@@ -46,7 +46,7 @@ class Column:
     name
         Heading as it stands, or ``column 3`` without one.
     letters
-        Of the column, as spreadsheets call it; its cells, ``B19:K19``, where it lies in a row.
+        Of the column, as spreadsheets call it; its cells, ``B19:K19``, where it is a row.
     label
         The heading without its unit.
     unit
@@ -89,7 +89,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Measurements:
-    """What a file holds; ``sheets`` is empty for CSV. ``formulas`` names cells whose formula nobody has calculated.
+    """What a file holds; ``sheets`` is empty for CSV. ``formulas`` names cells whose formula has no stored value.
 
     ``alike`` are the sheets with these headings, where there are several.
     """
@@ -159,7 +159,7 @@ def _has_numbers(column: Column) -> bool:
 
 
 def _formulas(found: Sheet) -> tuple[str, ...]:
-    """Addresses and text of formulas that nobody has calculated."""
+    """Addresses and text of formulas without a stored value."""
     named: list[str] = []
     left = 0
     for line, cells in found.rows:

@@ -73,7 +73,7 @@ def column_letters(number: int) -> str:
 
 
 def formula_text(formula: str) -> str:
-    """What stands for a cell whose formula nobody has calculated; blank it would look like no reading."""
+    """Marks a cell whose formula has no stored value; blank it would look like no reading."""
     return FORMULA + " ".join(formula.split())[:_LONGEST_FORMULA]
 
 

@@ -61,12 +61,12 @@ class Picked:
 
 
 def is_range(wanted: str) -> bool:
-    """Whether a column is told by its cells, such as B5:B30."""
+    """Whether a column is given by its cells, such as B5:B30."""
     return _ADDRESS.fullmatch(wanted) is not None and ":" in wanted
 
 
 def is_cells(wanted: str) -> bool:
-    """Whether a column is told by its cells or letter."""
+    """Whether a column is given by its cells or letter."""
     return area_of(wanted) is not None
 
 
@@ -94,7 +94,7 @@ def column_of(sheet: Sheet, wanted: str) -> list[int]:
 
 
 def all_picked(sheet: Sheet, rows: Rows, wanted: Mapping[str, str], file: str) -> dict[str, Picked]:
-    """All columns by role; what is wrong with each of them is told at once."""
+    """All columns by role; all their mistakes are reported together."""
     found: dict[str, Picked] = {}
     sentences: list[Sentence] = []
     for role, text in wanted.items():
@@ -268,7 +268,7 @@ def _heading(before: list[Cell]) -> str:
 
 
 def sheet_of_names(content: bytes, name: str, given: str | None, sheet: Sheet, wanted: dict[str, str]) -> str | None:
-    """Put the cells in place of names that a workbook has for them; the sheet on which they are.
+    """Replace names that a workbook defines by their cells; return the sheet on which they are.
 
     Parameters
     ----------
@@ -317,7 +317,8 @@ def rows_where(sheet: Sheet, where: Mapping[str, str | float], file: str, turn: 
     Parameters
     ----------
     turn
-        Of so many runs of consecutive rows with the last entry only this one, from 0: ``(1, 2)`` is the last of two.
+        Number of a run of consecutive rows with the last entry, from 0, and number of such runs: ``(1, 2)`` takes the
+        second of two.
 
     Raises
     ------

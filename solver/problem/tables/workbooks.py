@@ -59,7 +59,7 @@ def read_workbook(
     sheet
         Name of the sheet; the first one that has cells unless given.
     suits
-        Tells how well the rows of a sheet that nobody has named are what is looked for, 0: not at all, 2: well. The
+        Returns how well the rows of an unnamed sheet are what is looked for, 0: not at all, 2: well. The
         first of the best sheets is read, and the first one that has cells where there is none.
     alone
         Whether several sheets that suit well are a mistake.

@@ -96,7 +96,7 @@ def _scalar(value: Any) -> str:
 
 
 def _text(text: str) -> str:
-    """Text without quotes where nobody could take it for something else."""
+    """Text without quotes where it cannot be taken for something else."""
     if _PLAIN.fullmatch(text) and text.lower() not in _WORDS:
         return text
     quoted = json.dumps(text, ensure_ascii=False)

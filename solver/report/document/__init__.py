@@ -2,7 +2,7 @@
 
 ======================  ================================================================================================
 ``build``               :class:`Report`: statistics, figures, HTML and PDF
-``content``             what stands in a report, in order
+``content``             contents of a report, in order
 ``captions``            headings and captions of the figures of a report
 ``html``                the report as one HTML page that needs nothing else: no script, no request, light and dark, wide
                         and narrow

@@ -21,7 +21,7 @@ SIGNS = {
     "doubtful": "?",
     "gross_error": "!",
 }
-"""A sign for each kind of verdict, on parameters and on the fit, so that its colour is not all that tells it."""
+"""A sign for each kind of verdict, on parameters and on the fit, so that it does not depend on colour alone."""
 
 TEMPLATES = Path(__file__).parent / "templates"
 

@@ -21,7 +21,7 @@ class Alarm:
 class Card:
     """Verdict on one parameter.
 
-    ``value`` is that of the polished optimum where there is one, and ``remark`` then tells that of the best evaluation.
+    ``value`` is that of the polished optimum where there is one, and ``remark`` then gives that of the best evaluation.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Picture:
 class Table:
     """One table.
 
-    ``numeric`` are the indices of the columns to align to the right; ``classical``: it stands in the section of the
+    ``numeric`` are the indices of the columns to align to the right; ``classical``: it belongs to the section of the
     classical evaluation, not among the others.
     """
 

@@ -36,7 +36,7 @@ class ParameterLabel:
 def parameter_labels(problem: Problem) -> dict[str, ParameterLabel]:
     """Return the label of every parameter of a problem by name.
 
-    Two parameters with one symbol (those of two tests calibrated at once) are told apart by their names.
+    Two parameters with one symbol (those of two tests calibrated at once) are distinguished by their names.
     """
     infos = {info.name: info for info in problem.model.parameters}
     symbols = [infos[name].symbol for name in problem.parameters if name in infos]

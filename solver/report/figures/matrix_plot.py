@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 __all__ = ["MOST_POINTS", "MatrixData", "matrix_figure", "matrix_rows"]
 
 MOST_POINTS = 20_000
-"""So many points are drawn in a panel at most; all good fits come first."""
+"""Largest number of points in a panel; all good fits come first."""
 
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.72, 0.5, 0.62, 1.22, 0.1  # inch
 
@@ -72,7 +72,7 @@ def matrix_figure(title: str, data: MatrixData) -> Figure:
     """Draw the matrix plot.
 
     Points are drawn as an image inside the vector graphic; of more than :data:`MOST_POINTS` samples only
-    so many are drawn, and the figure says so. Axes run over the search range, on a log scale where the search did.
+    that number is drawn, and the figure says so. Axes run over the search range, on a log scale where the search did.
     """
     from matplotlib.figure import Figure
 

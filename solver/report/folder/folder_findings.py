@@ -1,4 +1,4 @@
-"""What the follow-ups of a run in a folder have found: each lies in a folder of its kind inside it."""
+"""What the follow-ups of a run in a folder have found: each has a folder of its kind inside it."""
 
 from __future__ import annotations
 

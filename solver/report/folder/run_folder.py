@@ -176,7 +176,7 @@ def open_run_folder(
     Parameters
     ----------
     seed
-        In place of the problem's.
+        Instead of the problem's.
 
     Raises
     ------

@@ -22,7 +22,7 @@ class Basins:
     """Finished basins (centres in the unit box) and the state of the one being worked on.
 
     ``best`` is None before its first evaluation; ``waiting`` counts generations without a worthwhile decrease,
-    ``gained`` tells whether the last one had it; ``radius`` is half the width of a finished basin's box, which the
+    ``gained``: whether the last one had it; ``radius`` is half the width of a finished basin's box, which the
     search knows and the JSON-able form leaves out.
     """
 

@@ -2,7 +2,7 @@
 
 The proposer goes through a pattern of strategies and takes one point from each until its share of the generation is
 used; the other particles move as in a textbook swarm. Its share shrinks while its proposals do not pay and grows when
-they do; where residuals are known it aims all particles, and a trust region tells how far (``descending``).
+they do; where residuals are known it aims all particles, and a trust region limits how far (``descending``).
 It is a pure function of the seed, the generation, the history and its own JSON-able state.
 """
 
@@ -63,7 +63,7 @@ class Proposer:
     state
         Of an earlier proposer that this one goes on from.
     polish
-        Where a basin is finished: polish the best of all and end, in place of a restart; with residuals that is left to
+        Where a basin is finished: polish the best of all and end, instead of a restart; with residuals that is left to
         others (:attr:`leaving`).
     """
 
@@ -94,7 +94,7 @@ class Proposer:
         drawn
             Feasible search coordinates, shape (n, d).
         keep
-            So many of the first stay as they are (the user's estimate).
+            This number of the first stay as they are (the user's estimate).
         """
         random = proposer_generator(self._seed, 0)
         chosen = list(self._unit(drawn[: max(keep, 1)]))
@@ -313,7 +313,7 @@ class Proposer:
     def _share(self, basins: Basins) -> float:
         """It grows with a worthwhile decrease of the objective; without one the swarm takes over step by step."""
         if self.state.basins.best is None and basins.restarts == 0:
-            return self.state.share  # the first generation tells nothing yet
+            return self.state.share  # the first generation shows nothing yet
         if basins.gained:
             return min(MOST_SHARE, 1.5 * self.state.share)
         return max(LEAST_SHARE, 0.9 * self.state.share)

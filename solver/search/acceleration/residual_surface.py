@@ -4,7 +4,7 @@ A cubic radial basis function with a linear tail interpolates every component (R
 The objective of the surface is the sum of its squared components, so a curved valley of the objective comes from
 components that are nearly linear: far fewer evaluations are needed than for a surface of the objective itself.
 
-Residuals often span decades. ``compression`` s fits arsinh(r / s) in place of r: zero stays zero, far points lose their
+Residuals often span decades. ``compression`` s fits arsinh(r / s) instead of r: zero stays zero, far points lose their
 weight. Several surfaces with different s disagree where they know little, which spreads their minima.
 """
 

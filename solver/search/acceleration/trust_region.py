@@ -52,7 +52,7 @@ class TrustRegion:
         steps
             Which of them, counted from 0, were steps of the trust region.
         unseen
-            So many runs before the generation were not known yet when it was asked.
+            Number of runs before the generation that were not known yet when it was asked.
         """
         first = len(points) - count
         mine = objectives[self.since : max(first - unseen, 0)]

@@ -1,4 +1,4 @@
-"""The way down to a minimum, and the points that its surroundings are told by.
+"""The way down to a minimum, and the points that describe its surroundings.
 
 =================  =====================================================================================================
 ``descent``        Levenberg-Marquardt, one generation an iteration; its damped step

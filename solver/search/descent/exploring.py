@@ -118,7 +118,7 @@ class ExploreSearch:
         return length > 0.0 and float(missed @ curvature @ missed) <= _LEADS_BACK**2 * length
 
     def _fill(self, runs: Runs) -> None:
-        """Keep so many descents going as the runs left allow."""
+        """Keep as many descents going as the runs left allow."""
         while self._waiting and len(self._descents) < _AT_ONCE:
             begun = Refinement.begin(self._space, runs, self._waiting.pop(0), self._known)
             if not begun.finished:

@@ -269,7 +269,7 @@ class GlobalPoints:
     def unit(self) -> FloatArray:
         """Positions in parts of the range in search coordinates, shape (n, d), all feasible.
 
-        With constraints, blocks are drawn until so many lie wholly in the feasible part, or as many as a bounded
+        With constraints, blocks are drawn until enough lie wholly in the feasible part, or as many as a bounded
         number of them has. Indices then describe the part of the space that such blocks fill.
 
         Raises
@@ -309,7 +309,7 @@ class GlobalPoints:
 
 
 class DesignSearch:
-    """Ask / tell of a fixed design, so many evaluations a generation; learns nothing from the objectives."""
+    """Ask and tell of a fixed design in generations; learns nothing from the objectives."""
 
     def __init__(self, points: GlobalPoints, batch: int, snapshot: Snapshot | None = None) -> None:
         self._points = points

@@ -154,7 +154,7 @@ class StepSearch:
 
     @staticmethod
     def _target(trials: list[list[_Trial]]) -> float:
-        """Relative error that tells the parameters from each other."""
+        """Relative error that distinguishes the parameters from each other."""
         best = [_best(tried) for tried in trials if tried]
         known = [trial.column / trial.length for trial in best if trial.relative < _BLIND and trial.length > 0.0]
         if not known:

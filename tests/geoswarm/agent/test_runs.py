@@ -87,7 +87,7 @@ def test_a_program_of_whoever_is_refused(runs: RunProcess) -> None:
     section = {"kind": "command", "run": ["touch", "hacked"], "series": {"y": {"file": "a", "x": 1, "y": 2}}}
     (outcome,) = runs.run("other", found | {"forward_model": section}, VALUES[:1], lambda: False)
     assert outcome.reason == "bad_output"
-    assert "nobody has registered here" in str(outcome.message)
+    assert "is not registered here" in str(outcome.message)
 
 
 def test_a_run_beyond_its_limit_is_killed_with_what_it_has_started(

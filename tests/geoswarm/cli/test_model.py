@@ -84,7 +84,7 @@ def test_nothing_is_overwritten_and_marks_are_found(folder: Path, capsys: pytest
     assert "--mark n=21: there is no such number in input.txt" in capsys.readouterr().err
     (folder / "input.txt").write_text("1 2\n1 3\n")
     assert main(["model", "new", "--run", "a", "--input", "input.txt", "--result", "r", "--mark", "a=1"]) == 2
-    assert "it stands in 2 places (lines 1, 2); give a=1@LINE" in capsys.readouterr().err
+    assert "it occurs in 2 places (lines 1, 2); give a=1@LINE" in capsys.readouterr().err
 
 
 def test_marks_keep_their_line_and_name() -> None:

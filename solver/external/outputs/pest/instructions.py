@@ -10,7 +10,7 @@
 
 Each line of instructions reads one line of the file. It begins with ``l5`` (five lines on) or a primary marker (on to
 the next line that holds the text). Behind stand secondary markers (text in the rest of the line), ``w`` (on to the next
-word), ``t12`` (to column 12), ``[name]12:20`` (what stands in columns 12 to 20), ``(name)12:20`` (the number of which
+word), ``t12`` (to column 12), ``[name]12:20`` (the text in columns 12 to 20), ``(name)12:20`` (the number of which
 some part stands there), ``!name!`` (the next number); the name ``dum`` is read and forgotten. A line that begins with
 ``&`` continues the one before. The case of names
 and of texts does not matter.
