@@ -154,7 +154,7 @@ def test_a_lease_its_beat_and_its_results(app: App, service: JobService) -> None
         ({"runs": [{"particle": 0, "attempt": 1, "seconds": -1, "began": 0, "ended": 0}]}, "seconds"),
     ],
 )
-def test_what_is_wrong_with_results_is_told(app: App, body: dict[str, Any], where: str) -> None:
+def test_what_is_wrong_with_results_is_reported(app: App, body: dict[str, Any], where: str) -> None:
     answer = app.post(f"{AGENTS}leases/{'0' * 32}/results", json=body)
     assert answer.status_code == 422
     assert any(where in issue["path"] for issue in answer.json()["issues"])

@@ -50,7 +50,7 @@ def test_the_service_has_a_limit_of_its_own(settings: Settings) -> None:
         assert run["reason"] == "timeout"
 
 
-def test_what_is_probably_not_meant_is_told(app: App) -> None:
+def test_what_is_probably_not_meant_is_reported(app: App) -> None:
     soil = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.004, "phi": 25.0}
     document = line_problem(
         forward_model={
@@ -68,7 +68,7 @@ def test_what_is_probably_not_meant_is_told(app: App) -> None:
     assert "compression is positive; y_factor: -1 turns them" in told[2]
 
 
-def test_what_the_model_assumes_is_told(app: App) -> None:
+def test_what_the_model_assumes_is_reported(app: App) -> None:
     model = {
         "kind": "triaxial",
         "material": "elastic",

@@ -168,7 +168,7 @@ def test_files_are_not_read_from_the_server(app: App) -> None:
     ],
 )
 @pytest.mark.parametrize("path", ["/jobs", "/problems/check"])
-def test_a_body_that_cannot_be_read_is_told(
+def test_a_body_that_cannot_be_read_is_reported(
     app: App, path: str, content: bytes, media_type: str | None, status: int, said: str
 ) -> None:
     headers = {} if media_type is None else {"Content-Type": media_type}

@@ -28,7 +28,7 @@ def test_a_port_in_use_is_told_before_anything_starts(service: JobService) -> No
 
 
 @pytest.mark.parametrize(("host", "port"), [("no-such-host.invalid", 80), ("127.0.0.1", 70_000), ("192.0.2.1", 8765)])
-def test_an_address_that_cannot_be_had_is_told(host: str, port: int) -> None:
+def test_an_address_that_cannot_be_had_is_reported(host: str, port: int) -> None:
     with pytest.raises(PortInUseError, match=f"cannot listen on {host}:{port}"):
         bind(host, port)
 

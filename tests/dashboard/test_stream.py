@@ -48,7 +48,7 @@ def goes_on(page: Page) -> None:
     )
 
 
-def test_compiling_is_told(embedded: Site, visit: Visit, job: str) -> None:
+def test_compiling_is_reported(embedded: Site, visit: Visit, job: str) -> None:
     page, _ = visit(embedded, f"/jobs/{job}/search")
     goes_on(page)
     runtime = Runtime(embedded.service.store, Settings())

@@ -64,7 +64,7 @@ def test_an_input_error_is_told_though_the_exit_status_is_0(problem: Path, capsy
     assert "*** INPUT ERROR: STIFFNESS AND PERMEABILITY MUST BE POSITIVE" in printed.err
 
 
-def test_the_missing_program_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_missing_program_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     problem = copy_of("fortran_pest", tmp_path / "example")
     (problem.parent / "consolidation").unlink(missing_ok=True)
     assert main(["check", str(problem)]) == 2

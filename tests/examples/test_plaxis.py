@@ -136,7 +136,7 @@ def test_the_password_is_never_shown(plaxis: Plaxis, capsys: pytest.CaptureFixtu
     assert PASSWORD not in told
 
 
-def test_without_a_project_it_is_told(plaxis: Plaxis, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_project_it_is_reported(plaxis: Plaxis, capsys: pytest.CaptureFixture[str]) -> None:
     (plaxis.model / "embankment.p2dx").unlink()
     assert main(["check", str(plaxis.problem)]) == 2
     assert "embankment.p2dx is not in " in capsys.readouterr().err

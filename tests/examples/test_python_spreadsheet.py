@@ -46,7 +46,7 @@ def test_it_calculates_its_formula(problem: Path) -> None:
         assert settlement == pytest.approx(4.0 / 2.1 * again, rel=1e-12)
 
 
-def test_an_error_in_a_cell_is_told(problem: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_error_in_a_cell_is_reported(problem: Path, capsys: pytest.CaptureFixture[str]) -> None:
     sheet = problem.with_name("settlement.fods.in")
     sheet.write_text(sheet.read_text(encoding="utf-8").replace("LOG10(MIN", "LOG10(-MIN"), encoding="utf-8")
     assert main(["model", "try", str(problem), "--json"]) == 1

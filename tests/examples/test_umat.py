@@ -59,7 +59,7 @@ def test_the_readings_are_those_of_the_routine(problem: Path) -> None:
     assert_same_readings("umat", problem.parent, digit=0.001)
 
 
-def test_the_missing_library_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_missing_library_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     problem = copy_of("umat", tmp_path / "example")
     (problem.parent / "libohde.so").unlink(missing_ok=True)
     assert main(["check", str(problem)]) == 2

@@ -71,7 +71,7 @@ def test_it_settles_as_the_tables_say(installed: Path, tmp_path: Path) -> None:
     assert calculated == pytest.approx([0.0, 0.5, 0.9], abs=2e-3)
 
 
-def test_a_mistake_in_its_section_is_told(installed: Path, tmp_path: Path) -> None:
+def test_a_mistake_in_its_section_is_reported(installed: Path, tmp_path: Path) -> None:
     (tmp_path / "problem.yaml").write_text(block("yaml").replace("2.0}", "-2.0}"), encoding="utf-8")
     done = geoswarm(installed, tmp_path, "check", "problem.yaml")
     assert done.returncode == 2

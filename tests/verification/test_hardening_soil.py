@@ -281,11 +281,11 @@ def test_plane_strain_reaches_the_strength(OCR: float) -> None:
         ({"tension_cutoff": -1.0}, "tension_cutoff must be at least 0, got -1 kPa"),
     ],
 )
-def test_what_does_not_fit_together_is_told(changes: dict[str, Any], message: str) -> None:
+def test_what_does_not_fit_together_is_reported(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(InfeasibleError, match=message):
         sand(**changes)
 
 
-def test_a_stress_beyond_the_strength_is_told() -> None:
+def test_a_stress_beyond_the_strength_is_reported() -> None:
     with pytest.raises(InfeasibleError, match="initial principal stresses 500, 50, 50 kPa violate the strength"):
         point_under([50.0, 500.0, 50.0, 0.0, 0.0, 0.0], sand())

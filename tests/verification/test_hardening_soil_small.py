@@ -352,7 +352,7 @@ def test_every_laboratory_test_is_stiffer_than_without_small_strains(kind: str) 
     assert (answers[0] < 6.0 * answers[1]).all()
 
 
-def test_a_G0_below_that_of_unloading_is_told() -> None:
+def test_a_G0_below_that_of_unloading_is_reported() -> None:
     with pytest.raises(InfeasibleError, match=r"G0_ref must be at least Eur_ref/.* = 33333.3 kPa .*, got 30000 kPa"):
         sand(G0_ref=3.0e4)
     with pytest.raises(InfeasibleError, match="gamma_07 must be above 0 and at most 1, got 0"):

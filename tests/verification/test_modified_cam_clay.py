@@ -277,7 +277,7 @@ def test_the_state_where_it_is_placed() -> None:
         ({"nu": NU, "e0": 0.0, "N": 3.0, "specific_volume": "initial"}, "an initial specific volume needs e0"),
     ],
 )
-def test_what_does_not_fit_together_is_told(values: dict[str, Any], message: str) -> None:
+def test_what_does_not_fit_together_is_reported(values: dict[str, Any], message: str) -> None:
     with pytest.raises(InfeasibleError, match=message):
         clay(**values)
 
@@ -290,7 +290,7 @@ def test_what_does_not_fit_together_is_told(values: dict[str, Any], message: str
         ({"N": 1.5, "e0": 0.0}, 100.0, "N = 1.5 gives the void ratio -0.42.*; give a larger N"),
     ],
 )
-def test_a_stress_that_does_not_fit_is_told(values: dict[str, Any], stress: float, message: str) -> None:
+def test_a_stress_that_does_not_fit_is_reported(values: dict[str, Any], stress: float, message: str) -> None:
     soil = clay(nu=NU, **values)
     with pytest.raises(InfeasibleError, match=message):
         isotropic(stress, soil)

@@ -281,7 +281,7 @@ def test_flow_without_friction_keeps_the_volume(name: str) -> None:
 
 
 @pytest.mark.parametrize("law", ["drucker_prager", "matsuoka_nakai"])
-def test_a_stress_beyond_the_strength_is_told(law: str) -> None:
+def test_a_stress_beyond_the_strength_is_reported(law: str) -> None:
     of = find_law(law).soil({"E": E, "nu": NU, "c": 0.0, "phi": PHI})
     with pytest.raises(InfeasibleError, match="initial principal stresses 100, 10, 10 kPa violate the strength"):
         point_under([10.0, 10.0, 100.0, 0.0, 0.0, 0.0], of)

@@ -241,6 +241,6 @@ def test_reports_have_the_values_of_the_laboratory() -> None:
         ({"psi": 30.0}, "psi must be at most phi = "),
     ],
 )
-def test_what_does_not_fit_together_is_told(values: dict[str, float], message: str) -> None:
+def test_what_does_not_fit_together_is_reported(values: dict[str, float], message: str) -> None:
     with pytest.raises(InfeasibleError, match=message):
         clay(**values)

@@ -49,7 +49,7 @@ def test_a_file_that_no_model_of_the_list_has(signed: Path) -> None:
         HandedOut(signed).file("a" * 64)
 
 
-def test_a_file_that_has_changed_since_is_told(models: Path, signed: Path) -> None:
+def test_a_file_that_has_changed_since_is_reported(models: Path, signed: Path) -> None:
     handed_out, file = HandedOut(signed), listed(models / "line").files[1]
     text = (models / "line" / file.path).read_text()
     (models / "line" / file.path).write_text("?" + text[1:])

@@ -24,7 +24,7 @@ def test_a_worker_of_this_machine_must_be_alive(store: Store, settings: Settings
 
 
 @pytest.mark.usefixtures("store")
-def test_a_broker_that_does_not_answer_is_told(settings: Settings, free_port: int) -> None:
+def test_a_broker_that_does_not_answer_is_reported(settings: Settings, free_port: int) -> None:
     told = what_is_wrong(settings.model_copy(update={"broker_url": f"redis://127.0.0.1:{free_port}/0"}), worker=False)
     assert told is not None
     assert f"127.0.0.1:{free_port}" in told

@@ -31,7 +31,7 @@ def damaged(folder: Path, change: str) -> Settings:
         ("DROP TABLE sessions", r"it has no table sessions"),
     ],
 )
-def test_a_label_that_does_not_fit_is_told(tmp_path: Path, change: str, said: str) -> None:
+def test_a_label_that_does_not_fit_is_reported(tmp_path: Path, change: str, said: str) -> None:
     settings = damaged(tmp_path, change)
     with pytest.raises(StoreUnavailableError, match=said) as told:
         Store(settings)

@@ -172,7 +172,7 @@ def test_a_new_worker_makes_no_second_database(sqlite_settings: Settings, tmp_pa
         wait_for(lambda: any(worker.state == "idle" for worker in engine.service.workers()), "a worker that is idle")
 
 
-def test_a_damaged_table_is_told(sqlite_store: Store, sqlite_settings: Settings, tmp_path: Path) -> None:
+def test_a_damaged_table_is_reported(sqlite_store: Store, sqlite_settings: Settings, tmp_path: Path) -> None:
     sqlite_store.close()
     with sqlite3.connect(tmp_path / "jobs.db") as connection:
         size = connection.execute("PRAGMA page_size").fetchone()[0]
@@ -187,7 +187,7 @@ def test_a_damaged_table_is_told(sqlite_store: Store, sqlite_settings: Settings,
     store.close()
 
 
-def test_a_disk_without_its_reserve_is_told(sqlite_store: Store, sqlite_settings: Settings) -> None:
+def test_a_disk_without_its_reserve_is_reported(sqlite_store: Store, sqlite_settings: Settings) -> None:
     settings = sqlite_settings.model_copy(update={"disk_reserve_mb": 1e12})
     service = JobService(sqlite_store, NoWaker(), settings)
     words = re.compile(r"MB left; at least 1000000000000 MB .*GEOSWARM_DISK_RESERVE_MB")

@@ -12,13 +12,13 @@ export const BUTTONS = {
 };
 const LONG = 60; // s
 
-/** "about 40 runs, about 2 min"; a cost as GET …/follow-ups tells it. */
+/** "about 40 runs, about 2 min"; a cost from GET …/follow-ups. */
 export function costWords({ evaluations, exact, seconds }) {
   const runs = `${exact ? "" : "about "}${count(evaluations)} run${evaluations === 1 ? "" : "s"}`;
   return seconds === null ? runs : `${runs}, ${seconds < 1 ? "less than 1 s" : `about ${duration(seconds)}`}`;
 }
 
-/** Whether to begin: what takes more than a minute, or nobody knows how long, is asked for. */
+/** Whether to begin: the user confirms what takes more than a minute, or an unknown time. */
 export async function affordable(words, cost) {
   if (!cost || (cost.seconds !== null && cost.seconds <= LONG)) return true;
   return confirmed(`${words}: ${costWords(cost)}${cost.seconds === null ? ", time not known yet" : ""}. Start?`, "Start");

@@ -69,14 +69,14 @@ function held(place) {
   };
 }
 
-/** Replace what stands in a place (nested lists are laid flat, what is null or false left out); the keyboard stays where it is. */
+/** Replace the contents of a place (nested lists are flattened, null and false left out); the focus stays. */
 export function exchange(place, ...made) {
   const back = held(place);
   place.replaceChildren(...made.flat(Infinity).filter(Boolean));
   back();
 }
 
-/** While `work` goes on its button does nothing more. It keeps the focus, which one that is disabled would lose. */
+/** While `work` is running its button does nothing. It keeps the focus, which a disabled one would lose. */
 export async function once(button, work) {
   if (button.ariaDisabled === "true") return;
   button.ariaDisabled = "true";
@@ -89,7 +89,7 @@ export async function once(button, work) {
 
 let dialogs = 0;
 
-/** Open a dialog. Closed, it is removed, and the keyboard is where it was before, also when that place was drawn anew meanwhile. */
+/** Open a dialog. Closed, it is removed, and the focus returns, also to a place that was redrawn meanwhile. */
 function opened(made) {
   const back = held(document.body);
   made.addEventListener("close", () => {

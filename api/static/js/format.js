@@ -1,6 +1,6 @@
 // Numbers, units and times for readers.
 
-/** A number with so many significant digits, `1.2e-5` where that is shorter; a dash for what is not a number. */
+/** A number with this number of significant digits, `1.2e-5` where that is shorter; a dash for what is not a number. */
 export function number(value, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";

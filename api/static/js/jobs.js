@@ -74,7 +74,7 @@ choose.addEventListener("submit", (event) => {
   if (chosen.size >= FEWEST && chosen.size <= MOST) location.assign(`/compare?${new URLSearchParams([...chosen].map((id) => ["job", id]))}`);
 });
 
-/** One after the other; what cannot be done is told, with its reason, and stays chosen. */
+/** One after the other; failures are listed with their reason, and stay chosen. */
 async function forAll(work, done) {
   const refused = [];
   let number = 0;

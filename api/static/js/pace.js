@@ -28,7 +28,7 @@ export function paced(work, interval, place = null) {
       await work();
     } catch (error) {
       if (error.status !== 0) throw error;
-      due = true; // the service is out of reach, which the stream tells the reader
+      due = true; // the service is out of reach, which the stream reports
       last = performance.now() + LATER - interval;
     } finally {
       busy = false;

@@ -1,13 +1,13 @@
-// What is looked at stands in the address, so that it can be sent to somebody, kept, and come back to.
+// What a page shows is part of its address, so that it can be sent, kept and returned to.
 
 /** Values of the address by name. */
-export function told() {
+export function addressValues() {
   return new URLSearchParams(location.search);
 }
 
-/** Write values into the address, without a step back in the browser's history; null takes one out. */
-export function tellAddress(values) {
-  const words = told();
+/** Write values into the address, without an entry in the browser's history; null removes one. */
+export function setAddressValues(values) {
+  const words = addressValues();
   for (const [name, value] of Object.entries(values)) {
     if (value === null || value === undefined) words.delete(name);
     else words.set(name, value);

@@ -24,7 +24,7 @@ export function colour(token) {
   return value;
 }
 
-/** The series' colours, told apart by all eyes; `dash` and `symbol` tell them apart without any. */
+/** The series' colours, safe for colour-blind readers; `dash` and `symbol` distinguish them without colour. */
 export function palette() {
   return [1, 2, 3, 4, 5, 6].map((i) => colour(`--series-${i}`));
 }

@@ -2,7 +2,7 @@
 // way to draw it, and who is at a control of a row stays there.
 
 /**
- * Fetch `url` and take over what stands in `place` (an element with an id) there. Rows with the same `data-job` are kept
+ * Fetch `url` and take over the contents of `place` (an element with an id) there. Rows with the same `data-job` are kept
  * and only their changed cells replaced; cells with controls stay. Returns the new document; throws when it did not come.
  */
 export async function renew(place, url = location.href) {

@@ -1,4 +1,4 @@
 // States of jobs and evaluations: the page brings them, the service defines them (geoswarm/records/states.py).
-const told = (name) => new Set(document.body.dataset[name].split(" "));
+const statesIn = (name) => new Set(document.body.dataset[name].split(" "));
 
-export const ENDED = told("endedStates"), OPEN = told("openStates"), EVALUATION_STATES = told("evaluationStates");
+export const ENDED = statesIn("endedStates"), OPEN = statesIn("openStates"), EVALUATION_STATES = statesIn("evaluationStates");

@@ -3,7 +3,7 @@ import { alarm } from "./alarm.js";
 import { announce, connection, element, exchange } from "./dom.js";
 import { count, number, objectiveUnit } from "./format.js";
 import { address, get } from "./http.js";
-import { tellAddress, told } from "./place.js";
+import { addressValues, setAddressValues } from "./place.js";
 import { COLOURS } from "./ramp.js";
 import { followUps } from "./remedies.js";
 import { Cloud, natural, place as unitPlace } from "./statistics/cloud.js";
@@ -25,16 +25,16 @@ const { job, name, state, fitted, method } = document.querySelector("main").data
 const maySubmit = document.body.dataset.maySubmit === "true";
 const place = (id) => document.getElementById(id);
 /** `asked`: the threshold that the reader has chosen; null: the proposed one. */
-const given = Number(told().get("threshold"));
+const given = Number(addressValues().get("threshold"));
 const begun = given > 0 && Number.isFinite(given) ? given : null;
 const view = { cloud: null, threshold: begun, asked: begun, chosen: null, responses: null };
 const parts = {};
 
-/** Read everything anew, keeping what the reader has set. The plot does not wait for the verdicts. */
+/** Reload everything, keeping the reader's settings. The plot does not wait for the verdicts. */
 async function load() {
   if (["predict", "design"].includes(method)) return looksAhead(); // nothing there is compared with readings
   const verdicts = fitted === "true" ? judged(view.asked) : null; // begun early where an answer is sure
-  verdicts?.catch(() => {}); // told below, after the points
+  verdicts?.catch(() => {}); // reported below, after the points
   const [points, { parameters: values }] = await Promise.all([fetchPoints(job), get(`/jobs/${job}`)]);
   if (!points.count || !values) {
     place("nothing").textContent = "No evaluation has succeeded yet, so there is nothing to judge.";
@@ -171,14 +171,14 @@ function advise() {
 function moved(threshold) {
   view.threshold = view.asked = threshold;
   if (!view.cloud.reweighted) {
-    tellAddress({ threshold: String(Number(threshold.toPrecision(7))) });
+    setAddressValues({ threshold: String(Number(threshold.toPrecision(7))) });
     asking?.abort();
     judging(threshold);
   }
   choose();
 }
 
-/** A moment after the slider stopped: the service judges anew, under the weights of the job. */
+/** A moment after the slider stopped: the service recalculates the verdicts, under the weights of the job. */
 async function rested(threshold) {
   if (view.cloud.reweighted) return;
   try {
@@ -192,7 +192,7 @@ async function rested(threshold) {
 
 async function proposed() {
   if (view.cloud.reweighted) reweighted(view.cloud.ownWeights);
-  tellAddress({ threshold: null });
+  setAddressValues({ threshold: null });
   const statistics = await judged(view.asked = null);
   if (!statistics) return;
   view.threshold = statistics.threshold.value;
@@ -209,7 +209,7 @@ function limited() {
 /** The ranges in the address, as natural values: ?range.c=5..20. */
 function rememberRanges() {
   const { cloud } = view;
-  tellAddress(Object.fromEntries(cloud.parameters.map((parameter, i) => {
+  setAddressValues(Object.fromEntries(cloud.parameters.map((parameter, i) => {
     const range = cloud.ranges.get(i);
     return [`range.${parameter.name}`, range ? range.map((unit) => Number(natural(parameter, unit).toPrecision(5))).join("..") : null];
   })));
@@ -217,7 +217,7 @@ function rememberRanges() {
 
 function limitAsTold(cloud) {
   cloud.parameters.forEach((parameter, i) => {
-    const ends = told().get(`range.${parameter.name}`)?.split("..").map(Number);
+    const ends = addressValues().get(`range.${parameter.name}`)?.split("..").map(Number);
     if (ends?.length === 2 && ends.every(Number.isFinite)) cloud.limit(i, ends.map((value) => Math.max(0, Math.min(1, unitPlace(parameter, value) || 0))).sort((a, b) => a - b));
   });
 }

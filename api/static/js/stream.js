@@ -1,6 +1,6 @@
 // Events of a job, one stream a browser however many tabs look at it: a browser opens only six connections to a service.
 //
-// The tab that holds the lock `geoswarm:JOB` reads the stream and tells the others over a BroadcastChannel; when it goes,
+// The tab that holds the lock `geoswarm:JOB` reads the stream and passes it on to the others over a BroadcastChannel; when it goes,
 // the lock falls to the next one. Each tab knows the last event that it has seen, so a change of the leader loses and
 // doubles nothing. Without locks or channels (old browsers, plain HTTP on other hosts) each tab polls.
 import { address, get } from "./http.js";

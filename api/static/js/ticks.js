@@ -1,6 +1,6 @@
 // Round values for an axis.
 
-/** Round values between two limits, at most so many; powers of ten on a log scale where two fit. */
+/** Round values between two limits, at most this number; powers of ten on a log scale where two fit. */
 export function ticks(lower, upper, scale, most = 4) {
   if (scale === "log" && lower > 0) {
     const first = Math.ceil(Math.log10(lower) - 1e-9), last = Math.floor(Math.log10(upper) + 1e-9);

@@ -88,7 +88,7 @@ def locked(installation: Installation, folder: Path) -> Iterator[dict[str, str]]
 
 
 @pytest.mark.slow
-def test_without_a_place_for_kernels_a_temporary_folder_is_told(
+def test_without_a_place_for_kernels_a_temporary_folder_is_reported(
     installation: Installation, folder: Path, locked: dict[str, str]
 ) -> None:
     # Root may write anywhere, unless it gives that up.

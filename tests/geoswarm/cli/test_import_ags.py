@@ -62,7 +62,7 @@ def test_a_problem_passes_its_check(folder: Path, capsys: pytest.CaptureFixture[
         (["--output", "made", "--specimen", "BH1/3/1", "--material", "x"], "--material: unknown law 'x'"),
     ],
 )
-def test_what_is_wrong_is_told(
+def test_what_is_wrong_is_reported(
     folder: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], message: str
 ) -> None:
     assert main(["import", "ags", "synthetic.ags", *arguments]) == 2
@@ -70,7 +70,7 @@ def test_what_is_wrong_is_told(
     assert not (folder / "made").exists()
 
 
-def test_other_files_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_other_files_are_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "old.ags").write_text('"**PROJ"\n"*PROJ_ID"\n"1"\n')
     assert main(["import", "ags", "old.ags"]) == 2
     assert "is AGS 3; AGS 4 is accepted" in capsys.readouterr().err

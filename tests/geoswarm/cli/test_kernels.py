@@ -79,7 +79,7 @@ def test_nothing_is_said_when_nothing_is_to_be_compiled(capsys: pytest.CaptureFi
     assert capsys.readouterr().err == ""
 
 
-def test_who_watches_a_job_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_who_watches_a_job_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     job = SimpleNamespace(id="a", name="clay", max_evaluations=10, evaluations=0, generations=0, objective=None)
     job.search_evaluations = job.answer_evaluations = None
 

@@ -160,7 +160,7 @@ def test_web_pages_are_not_answered() -> None:
     assert (answer.status_code, answer.json()["error"]["message"]) == (403, "web pages are not answered")
 
 
-def test_a_fault_of_the_server_is_told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_fault_of_the_server_is_reported(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     def broken(*_: Any) -> None:
         raise RuntimeError("out of order")
 
@@ -281,7 +281,7 @@ def test_the_command_says_what_it_serves_and_ends_when_told(tmp_path: Path) -> N
         assert re.search(r"output 1 +3 +travel +mm", said())
 
 
-def test_a_port_in_use_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_port_in_use_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "problem.json"
     path.write_text(json.dumps(SERVED))
     with served() as url:

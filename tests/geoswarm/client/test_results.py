@@ -71,7 +71,7 @@ def block(**changes: Any) -> bytes:
         (block(columns=[{"kind": "own", "name": "objective", "width": 3}]), "no column 'generation'"),
     ],
 )
-def test_a_block_that_is_none_is_told(content: bytes, why: str) -> None:
+def test_a_block_that_is_none_is_reported(content: bytes, why: str) -> None:
     with answering(content) as client, pytest.raises(GeoswarmError, match=why):
         client.points("x")
 

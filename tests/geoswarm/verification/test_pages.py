@@ -64,7 +64,7 @@ def test_curves_that_coincide_can_be_told_apart() -> None:
     assert len({style for _, style in looks[:2]}) == 2
 
 
-def test_the_name_of_the_machine_is_told() -> None:
+def test_the_name_of_the_machine_is_reported() -> None:
     where = provenance()
     assert re.search(r", \d+ cores$", where.machine)
     assert {"geoswarm", "numpy", "scipy", "numba", "matplotlib"} <= where.versions.keys()

@@ -81,7 +81,7 @@ def test_the_void_ratio_at_the_beginning_may_follow_from_densities() -> None:
         ([["1", 1.0, 25.0, 0.9], ["1", 0.9, 50.0, 0.8]], "heading CONS_INCN: '1': give each increment once"),
     ],
 )
-def test_what_is_wrong_with_a_compression_test_is_told(rows: list[list[object]], message: str) -> None:
+def test_what_is_wrong_with_a_compression_test_is_reported(rows: list[list[object]], message: str) -> None:
     found = contents(**compression(rows))
     assert not found.compression
     with pytest.raises(AgsError, match=message):
@@ -187,7 +187,7 @@ def test_shear_tests_give_the_strength_that_they_were_made_with() -> None:
     assert told["BH2/7/3/9.10"] == "1 specimen at failure; undrained shear strength 60 kPa"
 
 
-def test_an_unknown_kind_of_shear_test_is_told() -> None:
+def test_an_unknown_kind_of_shear_test_is_reported() -> None:
     found = contents(TREG=synthetic.groups()["TREG"].replace('"CD"', '"XX"'))
     with pytest.raises(AgsError, match=r"group TREG, heading TREG_TYPE: 'XX': one of CADC, .* is accepted"):
         chosen(found, ["BH1/3/2"])
@@ -221,7 +221,7 @@ def test_moments_are_in_the_form_of_their_column(form: str, moment: str) -> None
     assert {one.strftime("%d.%m.%Y") for one in pressure.moments} == {"02.03.2026"}
 
 
-def test_a_reading_without_a_moment_is_told() -> None:
+def test_a_reading_without_a_moment_is_reported() -> None:
     text = synthetic.groups()["MOND"].replace("2026-03-05T12:00:00", "spring")
     with pytest.raises(AgsError, match="heading MOND_DTIM: 'spring': a moment as yyyy-mm-ddThh:mm:ss is accepted"):
         contents(MOND=text)

@@ -134,7 +134,7 @@ def test_compression_and_shear_tests_go_together(tmp_path: Path) -> None:
         ("BH1/3/2", '"TRET_STRN"', '"TRET_XXXX"', r"\(TRET_STRN\) is not given"),
     ],
 )
-def test_what_makes_no_test_is_told(tmp_path: Path, name: str, old: str, new: str, message: str) -> None:
+def test_what_makes_no_test_is_reported(tmp_path: Path, name: str, old: str, new: str, message: str) -> None:
     other = {one: groups()[one].replace(old, new) for one in ("TREG", "TRET")}
     with pytest.raises(AgsError, match=f"no problem can be made of these tests; .*{message}"):
         imported(some(name, **other), tmp_path, Wishes())

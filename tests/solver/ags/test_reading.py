@@ -78,7 +78,7 @@ def test_encodings() -> None:
         (b'"GROUP","CONG"\r\n"HEADING","B"\r\n"DATA","1\r\n', "line 3: .*cells in double quotes"),
     ],
 )
-def test_what_is_no_ags_4_is_told(content_: bytes, message: str) -> None:
+def test_what_is_no_ags_4_is_reported(content_: bytes, message: str) -> None:
     with pytest.raises(AgsError, match=message):
         read_ags(content_, "a.ags")
 

@@ -113,12 +113,12 @@ def test_a_published_test() -> None:
         ([10.0, 20.0], [1.0, math.nan], "finite"),
     ],
 )
-def test_what_has_no_virgin_line_is_told(stress: list[float], e: list[float], message: str) -> None:
+def test_what_has_no_virgin_line_is_reported(stress: list[float], e: list[float], message: str) -> None:
     with pytest.raises(NoEvaluationError, match=message):
         virgin_line(stress, e)
 
 
-def test_what_has_no_preconsolidation_stress_is_told() -> None:
+def test_what_has_no_preconsolidation_stress_is_reported() -> None:
     with pytest.raises(NoEvaluationError, match="there is no unloading"):
         swelling_index([10.0, 20.0], [1.0, 0.9])
     for method in (casagrande, log_log):

@@ -58,7 +58,7 @@ def test_units_of_time_and_reading_scale() -> None:
 
 
 @pytest.mark.parametrize("method", [root_time, log_time])
-def test_what_the_readings_do_not_show_is_told(method: object) -> None:
+def test_what_the_readings_do_not_show_is_reported(method: object) -> None:
     assert callable(method)
     d = settlement(DENSE)
     for times, readings, path, message in (
@@ -71,7 +71,7 @@ def test_what_the_readings_do_not_show_is_told(method: object) -> None:
             method(times, readings, path)
 
 
-def test_consolidation_that_is_not_over_is_told() -> None:
+def test_consolidation_that_is_not_over_is_reported() -> None:
     begun = DENSE[DENSE < 0.01]
     with pytest.raises(NoEvaluationError, match="primary consolidation is not over"):
         log_time(begun, settlement(begun), PATH)

@@ -37,7 +37,7 @@ def test_the_steady_state_gives_the_coefficient_and_the_permeability() -> None:
     assert found.c_v[0] > 1.2 * C_V  # before the steady state the pressure is lower, and the method too high
 
 
-def test_what_the_readings_do_not_allow_is_told() -> None:
+def test_what_the_readings_do_not_allow_is_reported() -> None:
     sigma = 50.0 + RATE * TIME
     strain = 0.01 * TIME
     for arguments, message in (

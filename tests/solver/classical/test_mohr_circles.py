@@ -63,6 +63,6 @@ def test_one_circle_or_a_negative_cohesion_gives_a_line_through_the_origin() -> 
         ([200.0, 420.0], [100.0, 400.0], "the radii change by -0.154 of the change of the centres"),
     ],
 )
-def test_what_has_no_line_is_told(first: list[float], third: list[float], message: str) -> None:
+def test_what_has_no_line_is_reported(first: list[float], third: list[float], message: str) -> None:
     with pytest.raises(NoEvaluationError, match=message):
         mohr_circles(first, third)

@@ -74,7 +74,7 @@ def test_the_void_ratio_of_the_test_goes_before_that_of_the_index_properties() -
     assert found["lambda_star", "G_s I_P/200"] == pytest.approx(2.7 * 40.0 / 200.0 / (math.log(10.0) * 2.0))
 
 
-def test_bounds_that_leave_out_all_that_is_expected_are_told() -> None:
+def test_bounds_that_leave_out_all_that_is_expected_are_reported() -> None:
     narrow = SOFT | {"lambda_star": {"lower": 0.002, "upper": 0.01}, "kappa_star": {"value": 0.001}}
     warnings = [
         one for one in map(plain, implausible(problem("soft_soil_creep", narrow, PROPERTIES))) if "index" in one
@@ -173,6 +173,6 @@ def test_layers_of_a_part_have_its_name_where_the_problem_gives_it() -> None:
     assert found["ground.clay.lambda", "0.046 + 0.0104 I_P"] == pytest.approx(0.462 / math.log(10.0))
 
 
-def test_a_mistake_in_the_index_properties_of_a_layer_is_told() -> None:
+def test_a_mistake_in_the_index_properties_of_a_layer_is_reported() -> None:
     with pytest.raises(ProblemError, match=r"plasticity_index must be from 2 to 3000 %, got 0\.4 %"):
         parse_problem(with_parameters(layered(plasticity_index=0.4)) | {"parameters": {"clay.k": {"value": 1.0}}})

@@ -43,7 +43,7 @@ def test_other_templates_have(tmp_path: Path) -> None:
         load_problem(problem(tmp_path, "E_oed", "E_oed", "{{e_oed}}", combined=False))
 
 
-def test_a_name_that_is_none_is_told(tmp_path: Path) -> None:
+def test_a_name_that_is_none_is_reported(tmp_path: Path) -> None:
     with pytest.raises(ProblemError, match=r"parameters.e_eod: is missing \(Used by a\)"):
         load_problem(problem(tmp_path, "E_oed", "E_eod", "7", combined=False))
 
@@ -57,7 +57,7 @@ def test_an_exit_status_needs_no_quotes(tmp_path: Path, written: str) -> None:
     assert section["fail"]["exit"] == {"3": "diverged"}
 
 
-def test_a_free_parameter_that_no_file_gets_is_told(tmp_path: Path) -> None:
+def test_a_free_parameter_that_no_file_gets_is_reported(tmp_path: Path) -> None:
     path = problem(tmp_path, "E_oed", "e_oed", "7", combined=False)
     text = path.read_text().replace("1}}", "1}, k: {lower: 0, upper: 1}, n: {value: 2}}")
     path.write_text(text)

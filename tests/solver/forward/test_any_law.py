@@ -147,7 +147,7 @@ def test_a_preconsolidation_above_the_stress_is_vertical_everywhere(material: st
         ("mohr-coulomb", {}, "unknown law 'mohr-coulomb'"),
     ],
 )
-def test_what_a_law_does_not_have_is_told(material: str, changes: dict[str, object], message: str) -> None:
+def test_what_a_law_does_not_have_is_reported(material: str, changes: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         oedometer(material, **changes)
 

@@ -19,7 +19,7 @@ NOISE = 0.01 * np.random.default_rng(4).standard_normal(X.size)
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_exchange_of_two_rates_is_told(seed: int) -> None:
+def test_exchange_of_two_rates_is_reported(seed: int) -> None:
     y = np.exp(-0.3 * X) + np.exp(-2.0 * X) + NOISE
     problem = problem_of("exp(-a * x) + exp(-b * x)", {"a": free(0.05, 5.0), "b": free(0.05, 5.0)}, y)
     statistics = report_of_result(problem, calibrate(problem, seed=seed)).statistics

@@ -125,7 +125,7 @@ def test_one_run_is_enough_and_none_is_refused() -> None:
         ({"a": [9.0], "b": [1.0]}, "between the bounds 0.1 and 5.9"),
     ],
 )
-def test_wrong_points_are_told(points: dict[str, list[float]], message: str) -> None:
+def test_wrong_points_are_reported(points: dict[str, list[float]], message: str) -> None:
     method = {"kind": "explore", "at": {"a": 1.7, "b": 4.0}, "points": points}
     with pytest.raises(ProblemError, match=message):
         problem_of(

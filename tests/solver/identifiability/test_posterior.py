@@ -39,7 +39,7 @@ def test_no_interval_where_the_sample_reaches_the_bounds() -> None:
     assert any("edge of the sampled region" in warning for warning in found.warnings)
 
 
-def test_a_surface_that_does_not_hold_is_told() -> None:
+def test_a_surface_that_does_not_hold_is_reported() -> None:
     problem, samples = sampled("sin(40 * a) * x + sin(40 * b)", {"a": free(), "b": free()}, X, 300)
     calibration = Calibration(problem, 1)
     assert fit_surface(calibration, samples).objective_error > 0.5

@@ -110,7 +110,7 @@ def test_intervals_match_the_textbook_line() -> None:
     assert found.at_optimum
 
 
-def test_a_point_beside_the_minimum_is_told() -> None:
+def test_a_point_beside_the_minimum_is_reported() -> None:
     found = linearised(problem_of("a * x + b", {"a": free(), "b": free()}, Y), [6.5, 1.0])
     assert not found.at_optimum
     assert found.distance[0] > 1.0

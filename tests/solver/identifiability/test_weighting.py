@@ -108,7 +108,7 @@ def test_shares_add_up() -> None:
     assert [s.share for s in series_shares(problem, {"near": 0.0, "far": 0.0})] == [0.0, 0.0]
 
 
-def test_an_optimum_that_leaves_the_swarms_region_is_told() -> None:
+def test_an_optimum_that_leaves_the_swarms_region_is_reported() -> None:
     stopping = {"max_evaluations": 400}
     problem = two_series(method={"kind": "particle_swarm", "acceleration": "none"}, stopping=stopping)
     changed = reweight(problem, samples_of(problem), weights={"near": 0.0, "far": 1.0})

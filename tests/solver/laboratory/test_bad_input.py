@@ -140,7 +140,7 @@ def test_drained_and_undrained_creep_run_to_their_strength() -> None:
         assert (ratio < 6.0 * np.sin(np.radians(28.0)) / (3.0 - np.sin(np.radians(28.0))) * (1.0 + 0.2)).all()
 
 
-def test_rigid_water_is_an_assumption_that_is_told() -> None:
+def test_rigid_water_is_an_assumption_that_is_reported() -> None:
     silent = triaxial("elastic", STRAIN, drainage="undrained")
     (sentence,) = silent.assumptions
     assert sentence.startswith("The bulk modulus of water is not given, so pore water is rigid")

@@ -106,7 +106,7 @@ def test_a_law_has_its_page(law: Law) -> None:
     assert f"({law.kind.replace('_', '-')}.md)" in (PAGES / "README.md").read_text(encoding="utf-8")
 
 
-def test_what_is_outside_its_limits_is_told(law: Law) -> None:
+def test_what_is_outside_its_limits_is_reported(law: Law) -> None:
     usual = usual_values(law)
     for info in law.parameters:
         for value in bad_values(info):
@@ -121,7 +121,7 @@ def test_what_is_outside_its_limits_is_told(law: Law) -> None:
                 law.soil({**usual, one.name: one.lower - 1.0})
 
 
-def test_what_excludes_each_other_is_told(law: Law) -> None:
+def test_what_excludes_each_other_is_reported(law: Law) -> None:
     """Of parameters that follow from one another, one is enough and two are too many."""
     usual = usual_values(law)
     for name in usual.keys() & law.derived:
@@ -269,7 +269,7 @@ def test_wild_steps_are_answered_or_refused(case: Case) -> None:
                 assert all(a.tobytes() == b.tobytes() for a, b in zip(first[:3], again[:3], strict=True))
 
 
-def test_a_load_without_an_equilibrium_is_told(case: Case) -> None:
+def test_a_load_without_an_equilibrium_is_reported(case: Case) -> None:
     """Tension of all axes: no law carries it, or it is carried; the driver ends in either case."""
     controls = [stress_value(-1.0e5, **{name: 1}) for name in ("xx", "yy", "zz")]
     fixed = [strain_change(0.0, **{name: 1}) for name in ("xy", "yz", "zx")]

@@ -173,7 +173,7 @@ def test_where_the_law_ends_there_is_no_stress(kind: str, strain: FloatArray) ->
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_load_that_the_soil_does_not_carry_is_told(kind: str) -> None:
+def test_a_load_that_the_soil_does_not_carry_is_reported(kind: str) -> None:
     of = soil(kind)
     start = point_under(100.0 * ALL_ROUND, of)
     with pytest.raises(DivergedError, match="isotropic load -10 kPa: no solution"):
@@ -204,7 +204,7 @@ def test_the_mobilised_friction_angle_is_that_of_mohrs_circles_in_triaxial_state
         ({"e0": 1.09}, "e0 must be above .* and at most e_i = 1.0.* under a mean stress of 71.6667 kPa, got 1.09"),
     ],
 )
-def test_a_void_ratio_outside_the_limits_of_the_stress_is_told(changes: dict[str, float], message: str) -> None:
+def test_a_void_ratio_outside_the_limits_of_the_stress_is_reported(changes: dict[str, float], message: str) -> None:
     of = soil("hypoplastic_sand", **changes)
     with pytest.raises(InfeasibleError, match=message):
         of.law.initial_state(STRESS, of.constants)
@@ -225,7 +225,7 @@ def test_a_void_ratio_outside_the_limits_of_the_stress_is_told(changes: dict[str
         ({}, np.array([0.0, 50.0, 50.0, 0.0, 0.0, 0.0]), "friction angle of 90 degree: .* compression only"),
     ],
 )
-def test_a_clay_that_cannot_be_under_its_stress_is_told(
+def test_a_clay_that_cannot_be_under_its_stress_is_reported(
     changes: dict[str, float], stress: FloatArray, message: str
 ) -> None:
     of = soil("hypoplastic_clay", **changes)

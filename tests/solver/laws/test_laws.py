@@ -82,7 +82,7 @@ def test_an_unknown_law_is_told_with_the_nearest() -> None:
         ("soft_soil_creep", {"OCR": 2.0, "POP": 10.0}, "both given"),
     ],
 )
-def test_what_is_inadmissible_is_told(kind: str, changes: dict[str, float | None], message: str) -> None:
+def test_what_is_inadmissible_is_reported(kind: str, changes: dict[str, float | None], message: str) -> None:
     with pytest.raises(InfeasibleError, match=message):
         find_law(kind).soil(GIVEN[kind] | changes)
 

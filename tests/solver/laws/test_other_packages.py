@@ -113,7 +113,7 @@ def test_a_section_settles_by_the_closed_form() -> None:
         ({"material": "standard_liquid"}, "unknown law 'standard_liquid'"),
     ],
 )
-def test_what_is_missing_is_told(changes: dict[str, object], message: str) -> None:
+def test_what_is_missing_is_reported(changes: dict[str, object], message: str) -> None:
     done = answer(oedometer(**changes), "axial_strain", TIMES)
     assert done.returncode == 1
     assert message in done.stderr

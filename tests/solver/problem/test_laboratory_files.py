@@ -314,7 +314,7 @@ def test_gross_errors_that_cannot_be(tmp_path: Path) -> None:
     )
 
 
-def test_the_rule_of_thinning_is_told() -> None:
+def test_the_rule_of_thinning_is_reported() -> None:
     x = np.geomspace(0.01, 10.0, 301)
     found = given(x.tolist(), x.tolist(), resample={"per_decade": 5}, notes=["DIN EN ISO 17892-5, specimen 3"])
     assert found.notes[0] == "DIN EN ISO 17892-5, specimen 3"

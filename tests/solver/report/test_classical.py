@@ -74,7 +74,7 @@ def test_strains_give_ratios_and_no_log_log() -> None:
     assert ("σ′p", "log-log") not in values
 
 
-def test_what_the_readings_do_not_allow_is_told() -> None:
+def test_what_the_readings_do_not_allow_is_reported() -> None:
     one = problem("stage_void_ratio", NUMBERS[:2], void_ratio(STRESSES)[:2], STRESSES, initial_void_ratio=E0)
     values = found(one)
     assert values["Cc", "steepest part"].value is None

@@ -46,7 +46,7 @@ def test_several_sources_and_a_name_of_ones_own(tmp_path: Path, compiler: str) -
     assert x.value == 6.0
 
 
-def test_what_cannot_be_built_is_told(tmp_path: Path, compiler: str) -> None:
+def test_what_cannot_be_built_is_reported(tmp_path: Path, compiler: str) -> None:
     wrong = tmp_path / "wrong.f"
     wrong.write_text("      SUBROUTINE UMAT(X)\n      CALL GETVRM(X)\n      END\n")
     with pytest.raises(BuildError, match=r"undefined reference to `getvrm_'[\s\S]*nor among the utilities supplied"):
@@ -63,7 +63,7 @@ def test_what_cannot_be_built_is_told(tmp_path: Path, compiler: str) -> None:
         build_umat([], tmp_path / "libwrong.so")
 
 
-def test_a_machine_without_a_compiler_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_machine_without_a_compiler_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(
         BuildError, match=r"gfortran was not found; install gfortran .* or compile the routine elsewhere"

@@ -172,7 +172,7 @@ def test_a_step_has_no_stress_where_the_behaviour_gives_none(mode: int, words: s
     assert step(of, np.zeros(6), STRESS)[3] == 0
 
 
-def test_a_state_that_does_not_belong_to_the_stress_is_told() -> None:
+def test_a_state_that_does_not_belong_to_the_stress_is_reported() -> None:
     """Here by what relaxes within the least time."""
     of = maxwell(1.0, least_time=1.0)
     with pytest.raises(InfeasibleError, match=r"placed under 60, 100, 55 kPa the behaviour has 65\.8"):
@@ -191,12 +191,12 @@ def test_a_state_that_does_not_belong_to_the_stress_is_told() -> None:
         ("Lengthy", "has 126 numbers in its state; at most 120 are accepted"),
     ],
 )
-def test_a_behaviour_that_is_no_soil_law_is_told(name: str, told: str) -> None:
+def test_a_behaviour_that_is_no_soil_law_is_reported(name: str, told: str) -> None:
     with pytest.raises(UnusableBehaviourError, match=told):
         behaviour_in(behaviours(), "", name)
 
 
-def test_a_library_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+def test_a_library_that_cannot_be_read_is_reported(tmp_path: Path) -> None:
     (tmp_path / "libsand.so").write_bytes(b"no library")
     with pytest.raises(UnusableBehaviourError, match=r"invalid ELF header|file too short"):
         behaviour_in(tmp_path / "libsand.so", "", "Maxwell")
@@ -229,7 +229,7 @@ def test_a_library_that_cannot_be_read_is_told(tmp_path: Path) -> None:
         ({"K0": None}, "K0 is missing: material mfront has none"),
     ],
 )
-def test_what_is_wrong_with_a_section_is_told(changes: dict[str, Any], message: str, tmp_path: Path) -> None:
+def test_what_is_wrong_with_a_section_is_reported(changes: dict[str, Any], message: str, tmp_path: Path) -> None:
     with pytest.raises(ProblemError) as refused:
         load_problem(written(tmp_path, oedometer(**changes)))
     assert message in str(refused.value)

@@ -192,7 +192,7 @@ def test_a_section_may_have_soils_of_routines(tmp_path: Path) -> None:
         ({"K0": None}, "K0 is missing: material umat has none"),
     ],
 )
-def test_what_is_wrong_with_a_section_is_told(changes: dict[str, Any], message: str, tmp_path: Path) -> None:
+def test_what_is_wrong_with_a_section_is_reported(changes: dict[str, Any], message: str, tmp_path: Path) -> None:
     assert message in issues(document({**section(ELASTIC), **changes}), tmp_path)
 
 
@@ -218,7 +218,7 @@ def test_limits_of_parameters_are_those_declared(tmp_path: Path) -> None:
     assert "parameters.phi: unknown parameter" in issues(document(section(ELASTIC), {"phi": {"value": 1}}), tmp_path)
 
 
-def test_a_library_without_the_routine_or_its_utilities_is_told(tmp_path: Path) -> None:
+def test_a_library_without_the_routine_or_its_utilities_is_reported(tmp_path: Path) -> None:
     bare = tmp_path / "libbare.so"
     call = ["gfortran", "-shared", "-fPIC", "-std=legacy", "-fcray-pointer", "-I", str(tmp_path), "-o", str(bare)]
     (tmp_path / "aba_param.inc").write_text("      IMPLICIT REAL*8 (A-H,O-Z)\n", encoding="utf-8")

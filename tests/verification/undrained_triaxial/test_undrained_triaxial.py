@@ -77,7 +77,7 @@ def series() -> Problem:
     )
 
 
-def test_strength_is_that_of_mohrs_circles_and_the_lack_of_fit_is_told() -> None:
+def test_strength_is_that_of_mohrs_circles_and_the_lack_of_fit_is_reported() -> None:
     """Strength of the calibrated law at the mean stresses of the last readings, which a circle gives without any law.
 
     Undrained specimens that dilate never quite reach it, so that a few percent are left.

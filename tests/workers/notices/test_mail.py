@@ -166,7 +166,7 @@ def test_whom_the_server_does_not_know_is_given_up(address: str, final: bool) ->
     assert raised.value.final is final
 
 
-def test_a_server_that_is_down_is_told() -> None:
+def test_a_server_that_is_down_is_reported() -> None:
     with pytest.raises(NotDeliveredError, match=r"e-mail server: .*refused"):
         send_mail(given(free_port(), smtp_security="none"), "anna@example.org", "m-1", "Subject", "Text\n")
 

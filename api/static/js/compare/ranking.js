@@ -6,7 +6,7 @@ const weights = (fit) => Object.fromEntries(fit.series.map(({ series, weight }) 
 
 /**
  * How jobs rank: {objectives, why, reweighted}. `objectives` are those under the weights of the first job, null where the
- * jobs cannot be ranked, which `why` explains; `reweighted` tells of each whether its own weights were others.
+ * jobs cannot be ranked, which `why` explains; `reweighted`: for each, whether its own weights were different.
  */
 export async function ranking(loaded) {
   const [{ fit: first }] = loaded, wanted = weights(first);

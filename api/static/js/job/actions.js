@@ -17,7 +17,7 @@ export function actions(view) {
       announce(said);
     } catch (error) {
       announce(error.message, 12);
-      await view.refresh().catch(() => {}); // the stream tells of a lost connection
+      await view.refresh().catch(() => {}); // the stream reports a lost connection
     }
   });
 

@@ -9,7 +9,7 @@ export function diagrams(view) {
   const section = document.getElementById("diagrams");
   let asked = null, plots = [];
 
-  // each is calculated anew for a better evaluation
+  // each is recalculated for a better evaluation
   const load = paced(async () => {
     const { objective } = view.job;
     if (objective === null || asked === objective) return;

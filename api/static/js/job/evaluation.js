@@ -2,7 +2,7 @@
 import { announce, dialog, element } from "../dom.js";
 import { amount, duration, moment, number, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
-import { tellAddress, told } from "../place.js";
+import { addressValues, setAddressValues } from "../place.js";
 import { plot } from "../plot.js";
 import { converted } from "../units.js";
 import { fitPlot } from "./fit_plot.js";
@@ -34,8 +34,8 @@ export async function openEvaluation(view, generation, particle) {
     attempts(tries),
     evaluation.log ? [element("h3", {}, "End of what the forward model wrote"), element("pre", { tabindex: "0" }, evaluation.log)] : null);
   made.classList.add("evaluation");
-  tellAddress({ evaluation: `${generation}-${particle}` });
-  made.addEventListener("close", () => tellAddress({ evaluation: null }));
+  setAddressValues({ evaluation: `${generation}-${particle}` });
+  made.addEventListener("close", () => setAddressValues({ evaluation: null }));
   const plots = drawn.map((series, i) => plot(frames[i], () => fitPlot(fit, series.series, { initial: false })));
   made.addEventListener("close", () => plots.forEach(({ remove }) => remove()));
   await Promise.all(plots.map((one) => one.draw()));
@@ -43,7 +43,7 @@ export async function openEvaluation(view, generation, particle) {
 
 /** The evaluation that the address names, if it does: ?evaluation=GENERATION-PARTICLE. */
 export function openNamed(view) {
-  const named = told().get("evaluation")?.match(/^(\d{1,9})-(\d{1,9})$/);
+  const named = addressValues().get("evaluation")?.match(/^(\d{1,9})-(\d{1,9})$/);
   if (named) openEvaluation(view, Number(named[1]), Number(named[2]));
 }
 

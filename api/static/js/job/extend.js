@@ -1,4 +1,4 @@
-// Change when a job ends; one that has ended goes on where it was.
+// Change when a job ends; one that has ended resumes where it was.
 import { announce, dialog, element } from "../dom.js";
 import { get, send } from "../http.js";
 import { ENDED } from "../states.js";

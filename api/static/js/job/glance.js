@@ -54,7 +54,7 @@ function extent(lists) {
   return low > high ? [0, 1] : low === high ? [low - (Math.abs(low) || 1), high + (Math.abs(high) || 1)] : [low, high];
 }
 
-/** A drawing of so many pixels. */
+/** A drawing of this size, in pixels. */
 function drawing(one, width, height) {
   const scaled = (value) => (value === null ? null : one.log ? (value > 0 ? Math.log10(value) : null) : value);
   const [x0, x1] = extent([one.x, one.line?.x, one.gross?.x].map((list) => list?.map(scaled)));
@@ -111,7 +111,7 @@ export function glance(view) {
     try {
       ({ items: diagrams } = await get(`/jobs/${view.id}/diagrams`));
     } catch (error) {
-      if (error.status === 0 || error.status === 404) return; // the stream tells
+      if (error.status === 0 || error.status === 404) return; // the stream reports it
       diagrams = [];
     }
     draw();

@@ -1,4 +1,4 @@
-// A job, live: what the stream of its events tells goes to every part of the page.
+// A job, live: the events of its stream go to every part of the page.
 import { announce, connection } from "../dom.js";
 import { get } from "../http.js";
 import { LATER, paced } from "../pace.js";
@@ -17,7 +17,7 @@ function badge({ state, retrying }) {
   document.querySelector("main").dataset.state = state;
 }
 
-/** The parts of a page, each made of `view` and told by `job`, `course`, `generation` and `fit`. */
+/** The parts of a page, each made of `view` and updated by `job`, `course`, `generation` and `fit`. */
 export async function live(makers) {
   const view = { id, job: await get(`/jobs/${id}`), course: [], fit: null };
   const follower = view.job.last_event; // what the generations below know already is passed over by their numbers

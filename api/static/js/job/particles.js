@@ -1,4 +1,4 @@
-// The particles of a generation, moving as the search goes on: a pair of parameters, or all in parallel coordinates.
+// The particles of a generation, moving during the search: a pair of parameters, or all in parallel coordinates.
 import { element, empty } from "../dom.js";
 import { symbol } from "../format.js";
 import { get } from "../http.js";

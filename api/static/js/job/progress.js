@@ -35,7 +35,7 @@ export function progress(view) {
         if (OPEN.has(view.job.state)) show(found);
       } catch (error) {
         if (error.status === 404) return; // deleted meanwhile
-        pause = LATER; // the stream tells of a lost connection
+        pause = LATER; // the stream reports a lost connection
       } finally {
         busy = false;
       }

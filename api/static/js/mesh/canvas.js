@@ -26,7 +26,7 @@ export class BodyCanvas {
     document.addEventListener("themechange", () => this.draw());
   }
 
-  /** Show something else; `anew` forgets what part was seen. */
+  /** Show something else; `anew` resets the visible part. */
   show(view, anew = false) {
     this.view = view;
     if (anew || this.marked >= view.places.length) this.marked = null;

@@ -7,7 +7,7 @@ import { PIECES, between, roundDown } from "./geometry.js";
 export const INTERFACE = "--series-2"; // its colour
 const LONGEST_ARROW = 0.14;
 
-/** Colour of a band of so many. */
+/** Colour of a band, of a number of bands. */
 export function bandColour(band, count) {
   return COLOURS[Math.round((band / Math.max(1, count - 1)) * (COLOURS.length - 1))];
 }

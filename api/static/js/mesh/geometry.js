@@ -17,7 +17,7 @@ export function outline(triangles) {
   return [...sides.values()];
 }
 
-/** Round levels between two values, at most so many. */
+/** Round levels between two values, at most this number. */
 export function levels(low, high, most = 10) {
   const rough = (high - low) / most;
   if (!(rough > 0)) return [low, low + 1];

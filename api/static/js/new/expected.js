@@ -5,7 +5,7 @@ import { anyField } from "./schema_form.js";
 
 const MOST = 10;
 
-/** The section of index properties, drawn anew with another draft. */
+/** The section of index properties, redrawn for another draft. */
 export function indexProperties(context) {
   const place = element("div", { id: "index-properties" });
   const schema = context.root.properties?.index_properties;

@@ -52,7 +52,7 @@ export function observationsSection(context, place) {
     await draft.judge().catch(() => null);
   }
 
-  /** A problem instead of the one that is here; whether that was told. */
+  /** A problem instead of the present one; returns whether it announced the change. */
   function replace(problem, words) {
     const back = draft.mark(), begun = context.begun();
     draft.replace(problem);

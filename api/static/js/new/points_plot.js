@@ -4,7 +4,7 @@ import { grossErrors, palette, plot } from "../plot.js";
 
 const MOST_DRAWN = 5000;
 
-/** Every so many of many values: all of them could not be told apart. */
+/** Evenly chosen values of many: all of them could not be distinguished. */
 const thinned = (values) => {
   const step = Math.ceil(values.length / MOST_DRAWN);
   return step > 1 ? values.filter((_, i) => i % step === 0) : values;

@@ -7,7 +7,7 @@ const SECTIONS = [
   ["go", "Check and start", null],
 ];
 
-/** What a section is after an answer of the service: "good", "open", or null while nobody has judged. */
+/** What a section is after an answer of the service: "good", "open", or null before the first answer. */
 export function judged(keys, { issues, valid }) {
   if (keys === null) return valid ? "good" : "open";
   return issues.some(({ path }) => keys.includes(path.split(/[.[]/)[0])) ? "open" : "good";

@@ -22,7 +22,7 @@ export function reader(root) {
 
   const scalar = (schema) => ["number", "integer", "string"].includes(schema.type) && !schema.enum;
 
-  /** The key whose constant tells objects of a union apart. */
+  /** The key whose constant distinguishes the objects of a union. */
   function tag(choices) {
     const keys = Object.keys(choices[0]?.properties ?? {});
     return keys.find((key) => choices.every((one) => one.properties?.[key] && "const" in resolve(one.properties[key])));

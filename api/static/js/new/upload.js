@@ -10,8 +10,8 @@ const NAMED = 4; // specimens that a sentence names
 const GROUPS = ["CONG", "ESCG", "TREG", "TRIG", "MOND"]; // sheets of a workbook in the AGS format
 
 /**
- * The place for files; `context` tells of series and readings (see `mapping`) and of the problem (see `agsChoice`);
- * `act`: {take(observation, name): true: it has told, stages(found, name), replace(problem, words): true: it has told, replaced(act): calls it when more was replaced}.
+ * The place for files; `context` has series and readings (see `mapping`) and of the problem (see `agsChoice`);
+ * `act`: {take(observation, name): true: it has announced it, stages(found, name), replace(problem, words): true: it has announced it, replaced(act): calls it when more was replaced}.
  */
 export function uploader(context, act) {
   const place = element("div", {});
@@ -84,7 +84,7 @@ export function uploader(context, act) {
     });
   }
 
-  /** Nothing is shown below the place any more; the keyboard goes on from there. */
+  /** Show nothing below the place any more; the focus continues there. */
   function leave() {
     place.replaceChildren();
     input.focus();

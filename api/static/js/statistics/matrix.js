@@ -59,7 +59,7 @@ export class Matrix {
     this.marks.setAttribute("height", height);
   }
 
-  /** Everything anew: other data, size or colours. */
+  /** Redraw everything: other data, size or colours. */
   paint() {
     const { cloud } = this;
     this.colours = { faint: colour("--muted"), best: colour("--series-2"), line: colour("--series-2"), grid: colour("--line") };

@@ -55,7 +55,7 @@ def test_fields_are_reproduced_in_oblique_elements(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ELEMENTS)
-def test_points_outside_are_told(name: str) -> None:
+def test_points_outside_are_reported(name: str) -> None:
     one = known(name)
     assert one.locate(one.nodes, one.nodes.mean(axis=0))[1] < 0.0
     for axis in range(one.dimension):

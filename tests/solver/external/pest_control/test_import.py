@@ -158,7 +158,7 @@ def changed(index: int, **changes: object) -> PestCase:
         ),
     ],
 )
-def test_what_makes_no_problem_is_told(tmp_path: Path, one: PestCase, message: str) -> None:
+def test_what_makes_no_problem_is_reported(tmp_path: Path, one: PestCase, message: str) -> None:
     with pytest.raises(PestControlError, match=message):
         imported(one, tmp_path / "made")
     assert not (tmp_path / "made").exists()

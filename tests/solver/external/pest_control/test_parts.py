@@ -51,7 +51,7 @@ def test_a_shell_is_asked_for(lines: tuple[str, ...], why: str) -> None:
     assert f"needs a shell ({why.replace('[$]', '$')})" in found.notes[0]
 
 
-def test_batch_files_are_told() -> None:
+def test_batch_files_are_reported() -> None:
     assert "runs on Windows only" in command_line(("model.bat",), Path()).notes[0]
 
 

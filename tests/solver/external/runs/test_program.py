@@ -35,7 +35,7 @@ def test_a_program_gets_its_arguments_as_they_are(tmp_path: Path) -> None:
     assert (tmp_path / "output.txt").read_text() == ended.tail
 
 
-def test_exit_status_and_signals_are_told(tmp_path: Path) -> None:
+def test_exit_status_and_signals_are_reported(tmp_path: Path) -> None:
     assert python(tmp_path, "raise SystemExit(7)").words == "ended with exit status 7"
     ended = python(tmp_path, "import os; os.kill(os.getpid(), 11)")
     assert (ended.status, ended.words) == (-signal.SIGSEGV, "was ended by SIGSEGV")

@@ -150,7 +150,7 @@ def test_the_environment_is_clean_and_what_is_passed_is_never_shown(
     assert "rosebud" not in json.dumps(given.document())
 
 
-def test_a_run_folder_that_cannot_be_filled_is_told(tmp_path: Path) -> None:
+def test_a_run_folder_that_cannot_be_filled_is_reported(tmp_path: Path) -> None:
     """With a limit of the size of files in place of a full disk."""
     (tmp_path / "in.in").write_text("{{a}} " + "x" * 100_000)
     problem(tmp_path, templates={"in": "in.in"})

@@ -81,7 +81,7 @@ def test_arguments_are_read_from_the_source(
         ("(" * 5000, "not valid Python"),
     ],
 )
-def test_what_cannot_be_given_is_told(source: str, message: str) -> None:
+def test_what_cannot_be_given_is_reported(source: str, message: str) -> None:
     with pytest.raises(SignatureError, match=message):
         signature_in(source.encode(), "model.py", "f")
 

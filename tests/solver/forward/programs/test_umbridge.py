@@ -146,7 +146,7 @@ def test_a_server_that_takes_no_connection_is_tried_again(monkeypatch: pytest.Mo
     assert len(tried) == 3
 
 
-def test_a_connection_that_the_system_gives_up_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_connection_that_the_system_gives_up_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     def given_up(_: http.client.HTTPConnection) -> None:
         raise TimeoutError(110, "Connection timed out")
 

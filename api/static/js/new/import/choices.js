@@ -2,7 +2,7 @@
 import { plainBase } from "../units.js";
 import { columnOfX, columnOfY, conflict, loadsAsX, reference, unitless } from "./matching.js";
 
-export const CELLS = "cells"; // a column that is told by its letters, cells or name
+export const CELLS = "cells"; // a column that is given by its letters, cells or name
 
 /** What is chosen at first; `more` holds what few files need. */
 export function beginning() {

@@ -18,7 +18,7 @@ export function columnOfLoads(file) {
   return found >= 0 ? found : undefined;
 }
 
-/** Whether each value stands in several rows one below the other. */
+/** Whether each value is repeated in several consecutive rows. */
 function inStages({ values }) {
   const given = values.filter((value) => value !== null);
   return given.filter((value, i) => i === 0 || value !== given[i - 1]).length * 2 <= given.length;
@@ -26,7 +26,7 @@ function inStages({ values }) {
 
 /**
  * The offer to fill in stages; `renew()` after each change of `state`. `act`: {stages(found): fills them in, joined(blocks):
- * x begins anew in every stage of the forward model, so that the readings of each are a block}.
+ * x restarts in every stage of the forward model, so that the readings of each are a block}.
  */
 export function loadStages(file, content, state, context, act) {
   const place = element("div", {});

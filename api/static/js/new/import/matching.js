@@ -10,7 +10,7 @@ const heading = (column) => column.name.trim().replace(/\s+/g, " ").toLowerCase(
 /** Whether a column can be read as numbers, dates or, once it is said how, times. */
 export const readable = (column) => column.kind !== "text";
 
-/** How a problem file calls a column: by its heading where no other has it, else by its letters; by its cells where it lies in a row. */
+/** How a problem file calls a column: by its heading where no other has it, else by its letters; by its cells where it is a row. */
 export function reference(file, i) {
   const column = file.columns[i];
   if (lies(column)) return column.letters;
@@ -49,7 +49,7 @@ function meaning(column, info) {
 
 const meansX = (column, info) => column.quantities.some((one) => key(info.x_quantity) === one || key(info.x_quantity).endsWith(`_${one}`));
 
-/** Whether a column lies in a row of the sheet. */
+/** Whether a column is a row of the sheet. */
 export const lies = (column) => column?.letters.includes(":") ?? false;
 
 const LOADS = ["axial_stress", "normal_stress", "effective_stress"];
