@@ -25,8 +25,8 @@ from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.progress.answer import Answer, Part
 from geoswarm.solver.progress.state import Best, Progress, Step
 from geoswarm.solver.progress.stopping import MaxSeconds, StopCriterion, evaluations_left
-from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import LOST_IN_NOISE, MinimumSearch
+from geoswarm.solver.search.runs import Runs
 
 __all__ = ["begin_answer", "conclude", "go_on_answering"]
 

@@ -14,7 +14,7 @@ from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Failures
-from geoswarm.solver.search import Runs
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.space import search_space
 
 __all__ = ["Calibration", "Evaluation", "WarmStartRuns", "choose_seed", "with_further_tries"]

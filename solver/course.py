@@ -28,7 +28,8 @@ from geoswarm.solver.progress.stopping import (
     fails_always,
     satisfied_reasons,
 )
-from geoswarm.solver.search import Runs, Search, WideSearch
+from geoswarm.solver.search.base import Search, WideSearch
+from geoswarm.solver.search.runs import Runs
 
 __all__ = ["Course", "stop_criteria"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.search import SearchSpace
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["search_space"]
 

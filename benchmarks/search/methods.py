@@ -12,7 +12,8 @@ import numpy as np
 
 from benchmarks.search.problems import Task
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search import ParticleSwarm, Runs, SwarmSettings
+from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
+from geoswarm.solver.search.runs import Runs
 
 __all__ = ["METHODS", "Outcome"]
 

@@ -8,7 +8,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.search import ParticleSwarm, Runs, SearchSpace, SwarmSettings
+from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
+from geoswarm.solver.search.runs import Runs
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["measure"]
 

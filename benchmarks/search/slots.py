@@ -19,7 +19,8 @@ from threadpoolctl import threadpool_limits
 from benchmarks.search.problems import PROBLEMS, Task
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.methods.widths import overlapping
-from geoswarm.solver.search import ParticleSwarm, Runs, SwarmSettings
+from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
+from geoswarm.solver.search.runs import Runs
 
 __all__ = ["Timed", "simulate"]
 

@@ -17,7 +17,9 @@ from geoswarm.solver.sentences import setting
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem, Stopping
-    from geoswarm.solver.search import Runs, Search, SearchSpace, Snapshot
+    from geoswarm.solver.search.base import Search, Snapshot
+    from geoswarm.solver.search.runs import Runs
+    from geoswarm.solver.search.space import SearchSpace
 
 __all__ = [
     "DESIGN_COMPLETED",

@@ -10,7 +10,7 @@ from pydantic import Field
 from geoswarm.solver.methods.base import Maker, SearchMethod, Task
 
 if TYPE_CHECKING:
-    from geoswarm.solver.search import Snapshot
+    from geoswarm.solver.search.base import Snapshot
     from geoswarm.solver.search.differential_evolution import DifferentialEvolution, EvolutionSettings
 
 __all__ = ["DifferentialEvolutionMethod"]

@@ -13,8 +13,9 @@ from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, PlainMak
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.search import SearchSpace, Snapshot
+    from geoswarm.solver.search.base import Snapshot
     from geoswarm.solver.search.descent.exploring import ExploreSearch
+    from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["ExploreMethod"]
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.search import Search, Snapshot
+    from geoswarm.solver.search.base import Search, Snapshot
 
 __all__ = ["BATCH", "GivenPointsMethod"]
 

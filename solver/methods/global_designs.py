@@ -13,8 +13,9 @@ from geoswarm.solver.system.extras import has, needs_extra
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.search import Search, SearchSpace, Snapshot
+    from geoswarm.solver.search.base import Search, Snapshot
     from geoswarm.solver.search.descent.planned import GlobalPoints
+    from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["GlobalMethod", "MorrisMethod", "SobolMethod"]
 

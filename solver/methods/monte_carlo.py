@@ -10,7 +10,8 @@ from pydantic_core import PydanticCustomError
 from geoswarm.solver.methods.base import Maker, Method, Role, Task
 
 if TYPE_CHECKING:
-    from geoswarm.solver.search import MonteCarlo, Search, Snapshot
+    from geoswarm.solver.search.base import Search, Snapshot
+    from geoswarm.solver.search.monte_carlo import MonteCarlo
 
 __all__ = ["SAMPLES_COMPLETED", "MonteCarloMethod"]
 
@@ -66,18 +67,18 @@ class MonteCarloMethod(Method):
 
 class _SamplingMaker:
     def __init__(self, method: MonteCarloMethod, task: Task) -> None:
-        from geoswarm.solver.search import MonteCarloSettings, SamplingDesign
+        from geoswarm.solver.search.monte_carlo import MonteCarloSettings, SamplingDesign
 
         self._task = task
         self._settings = MonteCarloSettings(task.most or method.samples, method.sampling, method.batch)
         self._design = SamplingDesign(task.space, self._settings, task.seed)
 
     def start(self, slots: int) -> MonteCarlo:  # noqa: ARG002  (the form of all makers)
-        from geoswarm.solver.search import MonteCarlo
+        from geoswarm.solver.search.monte_carlo import MonteCarlo
 
         return MonteCarlo(self._task.space, self._settings, self._task.seed, self._design)
 
     def restore(self, snapshot: Snapshot) -> MonteCarlo:
-        from geoswarm.solver.search import MonteCarlo
+        from geoswarm.solver.search.monte_carlo import MonteCarlo
 
         return MonteCarlo.restore(self._task.space, self._settings, self._task.seed, snapshot, self._design)

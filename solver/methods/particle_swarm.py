@@ -15,7 +15,8 @@ from geoswarm.solver.sentences import SentenceError, setting
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from geoswarm.solver.search import ParticleSwarm, Search, Snapshot, SwarmSettings
+    from geoswarm.solver.search.base import Search, Snapshot
+    from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
 
 __all__ = ["POLISHED", "POLISH_UNFINISHED", "ParticleSwarmMethod", "swarm_settings"]
 
@@ -180,7 +181,7 @@ class _SwarmMaker:
     task: Task
 
     def start(self, slots: int) -> ParticleSwarm:
-        from geoswarm.solver.search import ParticleSwarm
+        from geoswarm.solver.search.particle_swarm import ParticleSwarm
 
         task, method = self.task, self.method
         particles = wide(slots, quick=task.quick or not method.learns)
@@ -192,7 +193,7 @@ class _SwarmMaker:
         return begin(task.space, swarm_settings(method, particles), task.seed, task.initial, task.offered)
 
     def restore(self, snapshot: Snapshot) -> ParticleSwarm:
-        from geoswarm.solver.search import ParticleSwarm
+        from geoswarm.solver.search.particle_swarm import ParticleSwarm
 
         return ParticleSwarm.restore(self.task.space, swarm_settings(self.method), self.task.seed, snapshot)
 
@@ -202,7 +203,7 @@ def swarm_settings(method: ParticleSwarmMethod, particles: int = 1) -> SwarmSett
 
     ``particles``: of the first generation, where the method leaves them to the engine.
     """
-    from geoswarm.solver.search import SwarmSettings
+    from geoswarm.solver.search.particle_swarm import SwarmSettings
 
     constriction = method.form == "constriction"
     coefficient = 2.05 if constriction else 1.49618

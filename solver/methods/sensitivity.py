@@ -12,9 +12,10 @@ from geoswarm.solver.methods.base import OF_JOB, FollowUpMethod, Maker, PlainMak
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
-    from geoswarm.solver.search import SearchSpace, Snapshot
+    from geoswarm.solver.search.base import Snapshot
     from geoswarm.solver.search.descent.minimum import MinimumSearch
     from geoswarm.solver.search.descent.planned import SensitivitySearch
+    from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["SensitivityMethod"]
 

@@ -11,7 +11,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.progress.answer import Answer
-from geoswarm.solver.search import Snapshot
+from geoswarm.solver.search.base import Snapshot
 
 __all__ = ["Best", "Progress", "Step"]
 

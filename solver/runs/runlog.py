@@ -10,7 +10,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.search import Runs
+from geoswarm.solver.search.runs import Runs
 
 __all__ = ["Fetch", "RunKey", "RunLog"]
 

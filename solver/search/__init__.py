@@ -11,27 +11,6 @@
 ``descent``                 the way down to a minimum, and the points around it
 ``bounded``                 linear least squares inside bounds
 ``base``                    the protocol of a search method
+``runs``                    what has been calculated: positions, weighted residual vectors
 ==========================  ==========================================================================================
 """
-
-from __future__ import annotations
-
-from geoswarm.solver.search.acceleration import Runs
-from geoswarm.solver.search.base import Search, Snapshot, WideSearch
-from geoswarm.solver.search.monte_carlo import MonteCarlo, MonteCarloSettings, SamplingDesign
-from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
-from geoswarm.solver.search.space import SearchSpace, diversity
-
-__all__ = [
-    "MonteCarlo",
-    "MonteCarloSettings",
-    "ParticleSwarm",
-    "Runs",
-    "SamplingDesign",
-    "Search",
-    "SearchSpace",
-    "Snapshot",
-    "SwarmSettings",
-    "WideSearch",
-    "diversity",
-]

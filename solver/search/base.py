@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs
+from geoswarm.solver.search.runs import Runs
 
 __all__ = ["Search", "Snapshot", "WideSearch"]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.determinism import particle_generator
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["DifferentialEvolution", "EvolutionSettings"]

@@ -11,9 +11,9 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleSpaceError
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.determinism import design_generator, particle_generator
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["GivenSearch", "MonteCarlo", "MonteCarloSettings", "SamplingDesign"]

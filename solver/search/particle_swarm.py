@@ -22,10 +22,11 @@ from typing import Literal
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration import Proposer, ProposerState, Runs
+from geoswarm.solver.search.acceleration import Proposer, ProposerState
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.descent.ending import Ending
 from geoswarm.solver.search.determinism import one_thread, particle_generator
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["ParticleSwarm", "SwarmSettings"]

@@ -29,7 +29,7 @@ LOADS_NOT: dict[str, tuple[str, ...]] = {
     "geoswarm.workers.hosts.tasks": (*(name for name in SLOW if name != "celery"), *STATISTICS, "fastapi", "httpx"),
     **dict.fromkeys(
         ("geoswarm.solver.runner.fork_server, geoswarm.solver.runner.child", "geoswarm.agent.run_main"),
-        (*SLOW, *STATISTICS, "sqlalchemy", "httpx"),
+        (*SLOW, *STATISTICS, "sqlalchemy", "httpx", "geoswarm.solver.search.acceleration"),
     ),
 }
 """What the processes of geoswarm do not import when they start, by what they do import: some never need it, and

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sqlalchemy import func, select
 
-from geoswarm.solver.search import diversity
+from geoswarm.solver.search.space import diversity
 from geoswarm.solver.space import search_space
 from geoswarm.workers.errors import (
     IdempotencyConflictError,

@@ -24,7 +24,7 @@ from geoswarm.solver.problem import Stopping, parse_problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunKey, RunLog
-from geoswarm.solver.search import Runs
+from geoswarm.solver.search.runs import Runs
 from geoswarm.workers.coordinator.ending import change_stopping
 from geoswarm.workers.coordinator.generation_rows import GenerationRows, load_generation
 from geoswarm.workers.coordinator.job_exchange import Closed, Due, JobExchange

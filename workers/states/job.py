@@ -27,7 +27,7 @@ from geoswarm.solver.methods.widths import Situation
 from geoswarm.solver.progress.result import GenerationRecord, count_alike, generation_record, no_success_message
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.progress.stopping import StopCriterion
-from geoswarm.solver.search import Runs
+from geoswarm.solver.search.runs import Runs
 from geoswarm.workers.errors import InvalidTransitionError
 
 __all__ = [

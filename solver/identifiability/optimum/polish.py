@@ -12,9 +12,9 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.descent.refinement import Refinement
 from geoswarm.solver.search.determinism import one_thread
+from geoswarm.solver.search.runs import Runs
 
 __all__ = ["Polished", "polish"]
 

@@ -42,8 +42,8 @@ from geoswarm.solver.methods.profile import ProfileMethod
 from geoswarm.solver.methods.sensitivity import SensitivityMethod
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.answer import Answer
-from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import MinimumSearch
+from geoswarm.solver.search.runs import Runs
 
 __all__ = [
     "NO_FINDINGS",

@@ -1,7 +1,6 @@
 """Proposals learned from all runs so far: fewer forward runs for the same answer.
 
 ====================  ======================================================================================
-``runs``              what has been calculated: positions, weighted residual vectors
 ``residual_surface``  response surface of the residual vector, and its minima
 ``local_models``      Gauss-Newton and quadratic models around one run
 ``covariance``        covariance-adapting moves
@@ -19,6 +18,5 @@
 from __future__ import annotations
 
 from geoswarm.solver.search.acceleration.proposer import Proposer, ProposerState
-from geoswarm.solver.search.acceleration.runs import Runs
 
-__all__ = ["Proposer", "ProposerState", "Runs"]
+__all__ = ["Proposer", "ProposerState"]

@@ -20,7 +20,6 @@ from geoswarm.solver.search.acceleration.covariance import CovarianceMoves
 from geoswarm.solver.search.acceleration.descending import base_of_simplex, next_of_descent, simplex
 from geoswarm.solver.search.acceleration.knowledge import Knowledge, selection
 from geoswarm.solver.search.acceleration.proposer_state import MOST_SHARE, Later, Polishing, ProposerState
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.acceleration.strategies import (
     BEGIN_PATTERN,
     COVARIANCE,
@@ -40,6 +39,7 @@ from geoswarm.solver.search.acceleration.strategies import (
 )
 from geoswarm.solver.search.acceleration.trust_region import TrustRegion
 from geoswarm.solver.search.determinism import one_thread, proposer_generator
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Proposer", "ProposerState"]

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.descent.refinement import Refinement
 from geoswarm.solver.search.descent.survey import Survey
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Descended", "Ending"]

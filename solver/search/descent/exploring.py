@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.descent.refinement import Refinement
 from geoswarm.solver.search.determinism import one_thread
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["ExploreSearch"]

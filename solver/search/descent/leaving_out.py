@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
-from geoswarm.solver.search.acceleration.runs import Runs, latest_residuals
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.descent.projection import admissible
 from geoswarm.solver.search.descent.quadratic import QuadraticSurface
 from geoswarm.solver.search.determinism import one_thread
+from geoswarm.solver.search.runs import Runs, latest_residuals
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["LeavingOutSearch", "LeavingOutSettings"]

@@ -15,13 +15,13 @@ from typing import Any, Literal
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs, latest_residuals
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.bounded import bounded_least_squares
 from geoswarm.solver.search.descent.interval_ends import IntervalEnds, plan_from_residuals
 from geoswarm.solver.search.descent.projection import admissible
 from geoswarm.solver.search.descent.steps import Moves, StepSearch
 from geoswarm.solver.search.determinism import one_thread
+from geoswarm.solver.search.runs import Runs, latest_residuals
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["LOST_IN_NOISE", "MinimumSearch", "Walk"]

@@ -10,7 +10,6 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleSpaceError
-from geoswarm.solver.search.acceleration.runs import Runs, latest_residuals
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.descent.descent import Descent
 from geoswarm.solver.search.descent.differences import DifferenceDesign, plan_differences
@@ -18,6 +17,7 @@ from geoswarm.solver.search.descent.interval_ends import IntervalEnds, plan_from
 from geoswarm.solver.search.descent.profile_paths import ProfilePath
 from geoswarm.solver.search.descent.steps import FIRST_STEP, Moves, StepSearch
 from geoswarm.solver.search.determinism import one_thread
+from geoswarm.solver.search.runs import Runs, latest_residuals
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = [

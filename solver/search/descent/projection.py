@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.bounded import bounded_least_squares
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["FAR_MOVE", "admissible", "far_moves", "moved", "project", "residuals_of", "slopes_of_moves"]

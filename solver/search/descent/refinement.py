@@ -16,7 +16,6 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.bounded import bounded_least_squares
 from geoswarm.solver.search.descent.projection import (
     FAR_MOVE,
@@ -27,6 +26,7 @@ from geoswarm.solver.search.descent.projection import (
     residuals_of,
     slopes_of_moves,
 )
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Outcome", "Refinement"]

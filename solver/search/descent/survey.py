@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search.acceleration.runs import Runs
 from geoswarm.solver.search.descent.projection import (
     admissible,
     far_moves,
@@ -23,6 +22,7 @@ from geoswarm.solver.search.descent.projection import (
     residuals_of,
     slopes_of_moves,
 )
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["Survey"]

@@ -171,7 +171,9 @@ def test_a_run_without_success_fails_with_its_reasons(tmp_path: Path, capsys: py
 
 
 @pytest.mark.usefixtures("tables_only")
-def test_a_program_that_does_not_use_its_parameters_is_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_program_that_does_not_use_its_parameters_is_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     model = {"kind": "formula", "series": {"y": "0 * amplitude * rate + x"}}
     assert main(["run", write(tmp_path, forward_model=model, stopping={"max_evaluations": 24})]) == 0
     assert capsys.readouterr().err.count("runs so far gave the same objective, though their parameters differ") == 1

@@ -80,7 +80,9 @@ def test_accepted_proposals_give_a_problem_that_runs(
         (["reweight", "{}", "--weight", "q=1"], "unknown series q"),
     ],
 )
-def test_mistakes_are_reported(folder: Path, arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_mistakes_are_reported(
+    folder: Path, arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main([argument.format(folder) for argument in arguments]) == 2
     assert words in capsys.readouterr().err
 

@@ -23,7 +23,8 @@ from geoswarm.solver.methods.jackknife import JackknifeMethod
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.uncertainty_tables import left_out_table
 from geoswarm.solver.report.figures.labels import parameter_labels
-from geoswarm.solver.search import Runs, SearchSpace
+from geoswarm.solver.search.runs import Runs
+from geoswarm.solver.search.space import SearchSpace
 from tests.solver.identifiability.cases import X, free, linearised
 
 

@@ -12,8 +12,8 @@ from geoswarm.solver.identifiability.stored.findings import findings_of
 from geoswarm.solver.identifiability.stored.follow_ups import sensitivity_problem
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.search import SearchSpace
 from geoswarm.solver.search.descent.steps import StepSearch
+from geoswarm.solver.search.space import SearchSpace
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 T = np.linspace(0.0, 16.0, 81)

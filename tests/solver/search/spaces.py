@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search import SearchSpace
+from geoswarm.solver.search.space import SearchSpace
 
 __all__ = ["box", "oedometer_space"]
 

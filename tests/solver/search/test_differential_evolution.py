@@ -15,8 +15,8 @@ from geoswarm.solver.course import Course
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.search import SearchSpace
 from geoswarm.solver.search.differential_evolution import DifferentialEvolution, EvolutionSettings
+from geoswarm.solver.search.space import SearchSpace
 from tests.solver.problems import decay_document
 from tests.solver.test_local import bits
 

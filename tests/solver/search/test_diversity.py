@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoswarm.solver.search import diversity
+from geoswarm.solver.search.space import diversity
 
 
 @pytest.mark.parametrize("dimension", [1, 3, 20])

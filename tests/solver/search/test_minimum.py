@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search import Runs
 from geoswarm.solver.search.descent.minimum import MinimumSearch
+from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
 from tests.solver.search.spaces import box
 

@@ -7,7 +7,8 @@ import pytest
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleSpaceError
-from geoswarm.solver.search import MonteCarlo, MonteCarloSettings, SearchSpace
+from geoswarm.solver.search.monte_carlo import MonteCarlo, MonteCarloSettings
+from geoswarm.solver.search.space import SearchSpace
 from tests.solver.search.spaces import box, oedometer_space
 
 SAMPLINGS = ["random", "latin_hypercube", "sobol"]

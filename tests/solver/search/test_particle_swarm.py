@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search import ParticleSwarm, SearchSpace, SwarmSettings
 from geoswarm.solver.search.determinism import particle_generator
+from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
+from geoswarm.solver.search.space import SearchSpace
 from tests.solver.search.spaces import box, oedometer_space
 
 FORMS = [

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geoswarm.solver.errors import InfeasibleSpaceError
-from geoswarm.solver.search import SearchSpace
 from geoswarm.solver.search.determinism import particle_generator
+from geoswarm.solver.search.space import SearchSpace
 from tests.solver.search.spaces import box, oedometer_space
 
 

@@ -10,9 +10,10 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search import Runs, SearchSpace
 from geoswarm.solver.search.descent.projection import project
 from geoswarm.solver.search.descent.survey import Survey
+from geoswarm.solver.search.runs import Runs
+from geoswarm.solver.search.space import SearchSpace
 
 T = np.linspace(0.0, 8.0, 60)
 TRUTH = np.array([0.8, 0.3, 0.55])

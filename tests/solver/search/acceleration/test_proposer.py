@@ -13,9 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.search import Runs, SearchSpace
 from geoswarm.solver.search.acceleration import Proposer, ProposerState, candidates
 from geoswarm.solver.search.determinism import particle_generator
+from geoswarm.solver.search.runs import Runs
+from geoswarm.solver.search.space import SearchSpace
 from tests.solver.search.spaces import box, oedometer_space
 
 CENTRE = np.array([0.08, 0.05, 25.0])

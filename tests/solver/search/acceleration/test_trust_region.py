@@ -14,8 +14,10 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
-from geoswarm.solver.search import ParticleSwarm, Runs, SearchSpace, SwarmSettings
 from geoswarm.solver.search.acceleration.trust_region import TrustRegion, missing_direction, spanned
+from geoswarm.solver.search.particle_swarm import ParticleSwarm, SwarmSettings
+from geoswarm.solver.search.runs import Runs
+from geoswarm.solver.search.space import SearchSpace
 from tests.solver.search.acceleration.test_proposer import CENTRE, valley
 from tests.solver.search.spaces import box, oedometer_space
 
