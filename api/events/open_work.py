@@ -86,7 +86,7 @@ class OpenWorkWatch:
 
             def wake(_job_id: str, number: int) -> None:
                 with contextlib.suppress(RuntimeError):  # the loop has ended before the thread
-                    loop.call_soon_threadsafe(self._ring, number)
+                    loop.call_soon_threadsafe(self._wake, number)
 
             self.desk.on_work = wake
         return await anyio.to_thread.run_sync(call, limiter=self._limiter)
@@ -137,7 +137,7 @@ class OpenWorkWatch:
         for waiter in self._waiters:
             waiter.woken.set()
 
-    def _ring(self, number: int) -> None:
+    def _wake(self, number: int) -> None:
         self._wanted = max(self._wanted, number)
         self._rung.set()
 

@@ -200,7 +200,7 @@ def test_a_quota_is_told_as_such(settings: Settings) -> None:
 
 class _Mute:
     def wake(self, job_id: str, times: int = 1, kind: str = "") -> None:
-        """Ring nobody."""
+        """Wake no worker."""
 
     def health(self) -> str:
         return "embedded"

@@ -46,7 +46,7 @@ class PipeWaker:
     Parameters
     ----------
     capacity
-        Rings that may wait; with one for every worker, more would only wake them for nothing.
+        Wake-ups that may wait; with one for every worker, more would only wake them for nothing.
     """
 
     def __init__(self, capacity: int, ends: tuple[int, int] | None = None) -> None:

@@ -152,7 +152,7 @@ def _close(**_: Any) -> None:
 
 @shared_task(name=SERVE_TASK, ignore_result=True)  # type: ignore[untyped-decorator]  # Celery has no types
 def serve(job_id: str) -> None:  # noqa: ARG001  a reader of the queue shall see the job of a message
-    """Answer a ring: there may be work, not necessarily for the job that rang, as others may be more urgent."""
+    """Answer a wake-up: there may be work, not necessarily for its job, as others may be more urgent."""
     if _process is None:
         _open()  # the database did not answer when this process began
     if _process is None:

@@ -109,11 +109,11 @@ class Sweeper:
         if store.read(lambda c: any_lost_before(c, REMEMBER_LOST_SECONDS)):
             store.write(lambda c: forget_workers_lost_before(c, REMEMBER_LOST_SECONDS))
         self._end_leases_of_dead_keys()
-        self._ring()
+        self._wake()
         empty_journal(store)
 
     def release(self, job_id: str, generation: int, lost_workers: list[str]) -> None:
-        """Free the overdue evaluations of one generation, and those of lost workers, and ring for the job."""
+        """Free the overdue evaluations of one generation, and those of lost workers, and wake workers for the job."""
         expired = self.runtime.expire(job_id, generation, lost_workers)
         if expired:
             log.warning(
@@ -188,7 +188,7 @@ class Sweeper:
         if store.read(any_old_leases):
             store.write(forget_old_leases)
 
-    def _ring(self) -> None:
+    def _wake(self) -> None:
         store, settings = self.runtime.store, self.runtime.settings
 
         def forgotten(connection: Connection) -> Sequence[Record]:
@@ -196,7 +196,7 @@ class Sweeper:
             # Without an idle worker a wake-up would only wait in the queue; a later sweep wakes idle workers.
             late = (settings.overdue_seconds, settings.overdue_factor)
             since = 0.9 * settings.sweep_seconds
-            return claimable_jobs(connection, idle, overdue=late, not_rung_for=since) if idle > 0 else []
+            return claimable_jobs(connection, idle, overdue=late, not_woken_for=since) if idle > 0 else []
 
         rows = store.read(forgotten)
         if rows:

@@ -174,9 +174,9 @@ def take_turn(
 
 
 def claimable_jobs(
-    connection: Connection, limit: int, *, overdue: tuple[float, float], not_rung_for: float
+    connection: Connection, limit: int, *, overdue: tuple[float, float], not_woken_for: float
 ) -> Sequence[Record]:
-    """Return ``id`` and ``forward_model`` of jobs to ring for, those that have waited longest first.
+    """Return ``id`` and ``forward_model`` of jobs to wake workers for, those that have waited longest first.
 
     These are queued ones and running ones with an evaluation to claim, or with none that is open at all (complete, but
     it was not advanced), or with an overdue one.
@@ -185,10 +185,10 @@ def claimable_jobs(
     ----------
     overdue
         As for :func:`most_urgent_job`.
-    not_rung_for
-        Leave out jobs for which a sweep rang in these seconds.
+    not_woken_for
+        Leave out jobs for which a sweep woke workers in these seconds.
     """
-    silent = or_(jobs.c.rung_at.is_(None), jobs.c.rung_at < database_now() - not_rung_for)
+    silent = or_(jobs.c.rung_at.is_(None), jobs.c.rung_at < database_now() - not_woken_for)
     statement = select(jobs.c.id, jobs.c.forward_model).where(WAITING, silent, or_(_ready(), _late(*overdue)))
     return connection.execute(statement.order_by(jobs.c.place).limit(limit)).all()
 

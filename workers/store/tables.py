@@ -106,7 +106,7 @@ jobs = Table(
     # for dispatch
     Column("typical_seconds", Double),  # median forward calculation of the last finished generation
     Column("served_at", Double),  # a worker last took it up
-    Column("rung_at", Double),  # a sweep last rang for it
+    Column("rung_at", Double),  # a sweep last woke workers for it
     Column("priority", Integer, nullable=False, server_default="0"),  # among the jobs of one owner
     Column("shared_priority", Integer, nullable=False, server_default="0"),  # among owners: an administrator's
     Column("line", String(80), nullable=False, server_default=""),  # the one of its owner, empty: no owner
