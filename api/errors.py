@@ -87,7 +87,7 @@ class KeyWords(BaseModel):
 
     model_config = ConfigDict(from_attributes=True)
 
-    path: str = Field(description="where it stands, for example observations[0].y_unit")
+    path: str = Field(description="its place, for example observations[0].y_unit")
     text: str = Field(description="as a problem file says it: `y_unit: mm`")
     value: str = Field(description="what it is to be given; empty where it is only named")
 

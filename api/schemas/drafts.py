@@ -95,7 +95,7 @@ class ProblemDraft(BaseModel):
 class FilesOfTests(BaseModel):
     """A problem with a table of laboratory tests, and its files."""
 
-    problem: dict[str, Any] = Field(description="with `tests`; what else it lacks is no mistake")
+    problem: dict[str, Any] = Field(description="with `tests`; other missing parts are not errors")
     files: dict[str, Base64Bytes] = Field(
         max_length=200, description="contents in base64 by name, without folders: the table and the files of its rows"
     )
@@ -170,7 +170,7 @@ class MeasuredStages(Model):
 
     stages: list[MeasuredStage]
     initial_stress: float | None = Field(description="kPa; the load that the first reading alone has")
-    elapsed: bool = Field(description="x begins anew in every stage: the readings need `blocks` with their stage")
+    elapsed: bool = Field(description="x restarts in every stage: the readings need `blocks` with their stage")
 
 
 class ExampleSummary(BaseModel):

@@ -134,7 +134,7 @@ class FetchedModels:
         finally:
             shutil.rmtree(draft, ignore_errors=True)
         if not _is_sound(place / name, model):
-            raise SignedListError(f"{place} cannot be used: something else stands there; remove it")
+            raise SignedListError(f"{place} cannot be used: something else is there; remove it")
         log.info("model %s was fetched: version %s", name, model.version[:12])
         return place
 

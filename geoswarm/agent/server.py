@@ -176,7 +176,7 @@ class Server:
             try:
                 return answer.json()
             except ValueError:
-                raise UnreachableError("what answers there is no geoswarm service") from None
+                raise UnreachableError("the address does not answer as a geoswarm service") from None
         raise _error(answer)
 
 

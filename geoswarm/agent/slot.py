@@ -53,7 +53,7 @@ class Slot(threading.Thread):
                     following = self._serve(following)
                 self.busy = False
         except Exception as error:  # the last handler of its thread: the agent ends, and says why
-            log.exception("slot %d cannot go on", self.number)
+            log.exception("slot %d cannot continue", self.number)
             self._agent.fail(f"slot {self.number}: {type(error).__name__}: {error}")
         finally:
             self.busy = False

@@ -95,7 +95,7 @@ class WaitTimeoutError(GeoswarmError):
     def __init__(self, job_id: str, timeout: float) -> None:
         self.job_id = job_id
         self.timeout = timeout
-        super().__init__(f"job {job_id} did not end within {timeout:g} s; it goes on, wait again or cancel it")
+        super().__init__(f"job {job_id} did not end within {timeout:g} s; it continues; wait again or cancel it")
 
 
 class JobFailedError(GeoswarmError):

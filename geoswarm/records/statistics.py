@@ -185,7 +185,7 @@ class Closeness:
     series: int = described("number of series")
     largest: Number = described("the largest residual in size")
     deviation: Number = described("root mean square of the residuals, each series counting alike")
-    peak: Number = described("largest relative difference of a peak; null where the largest value is no strength")
+    peak: Number = described("largest relative difference of a peak; null where the largest value is not a strength")
     unit: str
 
 
@@ -195,7 +195,7 @@ class FitVerdict:
 
     kind: FitKind
     words: str = described("the kind in a clause")
-    headline: str = described("what stands above all results; empty where nothing has to")
+    headline: str = described("heading above all results; empty where none is needed")
     sentence: str
     misfits: list[Misfit]
     remedies: list[str] = described("the texts of what_to_do")

@@ -143,7 +143,7 @@ def _accepted(notes: Sequence[str]) -> list[str]:
     """Notes as an observation takes them: not too many, not too long, of signs that can be seen."""
     if len(notes) > _MOST_NOTES:
         kept = _MOST_NOTES - 1
-        notes = [*notes[:kept], f"{len(notes) - kept} more were told when the file was imported"]
+        notes = [*notes[:kept], f"{len(notes) - kept} more were listed when the file was imported"]
     return ["".join(sign if sign.isprintable() else "?" for sign in note)[:_LONGEST_NOTE] for note in notes]
 
 
@@ -184,7 +184,7 @@ def _parts(contents: Contents, law: Law, wishes: Wishes, notes: list[str]) -> li
             f"the durations of the increments are not in the file; {24.0 * wishes.duration:g} h are assumed for each "
             f"({wishes.asked.stage_duration}){'' if law.depends_on_time else f', without effect with {law.kind}'}"
         )
-        notes.append("void ratios at the ends of increments tell nothing about creep or consolidation")
+        notes.append("void ratios at the ends of increments say nothing about creep or consolidation")
     for id, shear in contents.shear:
         parts, told = triaxial_parts(word(id)[:_LONGEST], id, shear, law)
         notes += told

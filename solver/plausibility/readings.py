@@ -268,7 +268,7 @@ def _begins_anew(place: str, observation: Observation, info: SeriesInfo) -> Iter
         return
     unit = observation.x_unit or "1"
     before, now = (f"{value:.4g}" for value in convert(x[first - 1 : first + 1], info.x_unit or "1", unit))
-    seen = f"{info.x_quantity} begins anew at point {first + 1}, {with_unit(float(now), unit)} after {before}"
+    seen = f"{info.x_quantity} restarts at point {first + 1}, {with_unit(float(now), unit)} after {before}"
     remedy = (", as where two tests stand in one table; ", setting(f"{place}.where"), " or the cells choose one")
     yield Doubt(observation.series, place, "", seen, remedy, True)
 

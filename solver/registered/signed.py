@@ -138,7 +138,7 @@ class SignedList:
                 )
             inner = _Content.model_validate_json(outer.content)
         except ValidationError as error:
-            raise SignedListError(f"it is no list that 'geoswarm models sign' has made: {_first(error)}") from None
+            raise SignedListError(f"it is not a list from 'geoswarm models sign': {_first(error)}") from None
         return cls(outer.content, outer.signature, inner.signed_at, inner.models)
 
     def document(self) -> bytes:

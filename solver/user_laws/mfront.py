@@ -72,7 +72,7 @@ class MfrontSection(UserLawSection):
     )
     behaviour: str = Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=200, description="Name of the behaviour.")
     properties: dict[str, Formula] = Field(
-        {}, max_length=100, description="Material properties that are no parameters: numbers, or expressions of these."
+        {}, max_length=100, description="Material properties that are not parameters: numbers, or expressions of these."
     )
     state: dict[str, Formula] = Field(
         {},

@@ -27,7 +27,7 @@ SHEETS = (
 
 
 def test_a_column_of_loads_fills_in_the_stages_and_joins_their_readings(embedded: Site, visit: Visit) -> None:
-    """Before the forward model is complete; x begins anew in every stage of this file."""
+    """Before the forward model is complete; x restarts in every stage of this file."""
     page, guard = visit(embedded, "/new")
     guard.allow("422")  # the refusal of a wrong column
     page.locator("input[name=kind][value=oedometer]").check()

@@ -75,7 +75,7 @@ class JobObject:
         if not self._handle or not self._kernel.SetInformationJobObject(
             self._handle, EXTENDED_LIMITS, ctypes.byref(limits), size
         ):
-            log.warning("no job object is to be had: what a killed agent was running may go on")
+            log.warning("no job object is available: runs of a killed agent may continue")
 
     def add(self, pid: int) -> None:
         """Put a process into it, and with it all that it will start."""

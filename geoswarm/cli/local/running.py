@@ -46,7 +46,7 @@ def run_here(
     if opened is not None:
         opened.finish(result)
         opened.complete()
-        note(f"Evaluations kept in {opened.folder}; 'geoswarm report {folder}' has what they tell.")
+        note(f"Evaluations kept in {opened.folder}; 'geoswarm report {folder}' evaluates them.")
     return findings_of(problem, result.seed, [record.evaluation for record in result.history], noise=noise)
 
 

@@ -120,7 +120,7 @@ def _show(job: Job, url: str | None) -> None:
 
 
 def _wait_for_interrupt() -> None:
-    click.echo("\nThe service goes on; look at the page, Ctrl-C stops it.")
+    click.echo("\nThe service keeps running; open the page, or press Ctrl-C to stop it.")
     try:
         threading.Event().wait()
     except KeyboardInterrupt:

@@ -23,7 +23,7 @@ _IN_WORDS = {
     "automatic user intervention": "automatic user intervention is not carried over: no parameter is held meanwhile",
     "sensitivity reuse": "reuse of sensitivities is not needed: the search takes no derivatives",
     "derivatives command line": "the command for derivatives is not carried over: the search takes no derivatives",
-    "predictive analysis": "predictive analysis is not carried over: geoswarm profile and posterior tell intervals",
+    "predictive analysis": "predictive analysis is not carried over: geoswarm profile and posterior give intervals",
     "pareto": "the Pareto mode is not carried over: one problem has one objective",
     "parameter groups": "increments of parameter groups are not needed: the search takes no derivatives",
 }

@@ -124,7 +124,7 @@ def told_x(names: Sequence[str]) -> tuple[list[float], str]:
     >>> told_x(["otype:lst_time:1.0", "otype:lst_time:30.5"])
     ([1.0, 30.5], 'time in the names')
     >>> told_x(["north", "south"])
-    ([1.0, 2.0], 'the running number: nothing else can be told from the names')
+    ([1.0, 2.0], 'the running number, as the names show nothing else')
     """
     if len(names) > 1:
         keyed = [{found["key"]: float(found["number"]) for found in _KEYED.finditer(name)} for name in names]
@@ -138,7 +138,7 @@ def told_x(names: Sequence[str]) -> tuple[list[float], str]:
             if len(matches) == len(names) and len({end["stem"] for end in matches}) == 1 and _apart(numbers):
                 return numbers, "the number at the end of the names"
     return [float(number) for number in range(1, len(names) + 1)], (
-        "the running number: nothing else can be told from the names"
+        "the running number, as the names show nothing else"
     )
 
 

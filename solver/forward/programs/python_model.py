@@ -124,5 +124,5 @@ class _Calls:
 
     def _hint(self, error: BaseException) -> str:
         if isinstance(error, NameError) and self._folder is not None:
-            return "(its file is imported: what stands below if __name__ == '__main__' is not there)"
+            return "(its file is imported: the part below if __name__ == '__main__' does not run)"
         return ""

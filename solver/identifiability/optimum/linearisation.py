@@ -284,7 +284,7 @@ class Linearisation:
     def why_no_interval(self, name: str) -> str:
         """Say why a parameter has no interval."""
         if name in self.unclear:
-            return "its sensitivities are too uncertain to tell how it acts; the forward model is rough there"
+            return "its sensitivities are too uncertain to show how it acts; the forward model is rough there"
         if name in self.without_influence:
             return "no measured value depends on it"
         tied = self.tied_to(name)

@@ -44,7 +44,7 @@ NOT_AT_OPTIMUM = (
     "first."
 )
 
-UNKNOWN_OPTIMUM = "Whether the best point is a minimum cannot be told, because no parameter has a standard error there."
+UNKNOWN_OPTIMUM = "Whether the best point is a minimum is unknown, because no parameter has a standard error there."
 
 OTHER_FITS = (
     "Another set of parameters {how} (objective {objective:.4g} against {best:.4g}; up to {limit:.4g} the data cannot "

@@ -209,7 +209,7 @@ def _all_readings(
             continue
         deviation = high - low if given.error is not None else noise.get(given.series)
         if wanted and deviation is None:
-            message = f"is missing: the job does not tell the error of a reading of {given.series} of this model"
+            message = f"is missing: the job has no error of a reading of {given.series} of this model"
             issues.append(Issue(f"{place}.error", message))
             continue
         found.append(Readings(given.series, x, deviation))

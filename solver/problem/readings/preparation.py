@@ -319,6 +319,6 @@ def many_points_warning(series: str, points: int) -> str | None:
     if points <= MANY_POINTS:
         return None
     return (
-        f"series '{series}' has {points} points; more than {MANY_POINTS} cost time and tell nothing more: "
+        f"series '{series}' has {points} points; more than {MANY_POINTS} cost time and add nothing: "
         "resample: {per_decade: 20}, or {every: 10}, in its observation takes means of them"
     )

@@ -252,7 +252,7 @@ def _other_quantity(named: Named | None) -> str | None:
     if named is None or named.unit is None or not named.certain:
         return None
     if named.base != "kN":
-        return f"is in {named.unit}, which is no length, time, stress, angle or number"
+        return f"is in {named.unit}, which is not a length, time, stress, angle or number"
     factor = f"{float(convert(1.0, named.unit, 'kN')):g} / A"
     return f"is in {named.unit}, a force; for a stress in kPa the factor is {factor} with the area A in m2"
 

@@ -135,7 +135,7 @@ def test_slips_that_a_soil_could_have_are_named(x: list[float], y: list[float], 
 @pytest.mark.parametrize(
     ("strains", "anew"),
     [
-        ([0.5, 1, 2, 5, 0.5, 1, 2, 5], "axial strain begins anew at point 5, 0.5 % after 5, as where two tests stand"),
+        ([0.5, 1, 2, 5, 0.5, 1, 2, 5], "axial strain restarts at point 5, 0.5 % after 5, as where two tests stand"),
         ([0, 1, 2, 5, 4, 3, 5.5, 8], ""),  # a loop
         ([0, 1, 2, 5, 0], ""),  # the last reading after the test
         ([0, 0.01, 0, 0.02, 0, 1, 2], ""),  # noise at its beginning

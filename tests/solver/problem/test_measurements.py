@@ -196,4 +196,4 @@ def test_a_force_is_named_as_such() -> None:
     x, force, volume = read_measurements(b"eps [%];Kraft [N];V [cm3]\n0.1;10;3\n1;40;2\n", "a.csv").columns
     assert x.unclear is None
     assert force.unclear == "is in N, a force; for a stress in kPa the factor is 0.001 / A with the area A in m2"
-    assert volume.unclear == "is in cm^3, which is no length, time, stress, angle or number"
+    assert volume.unclear == "is in cm^3, which is not a length, time, stress, angle or number"
