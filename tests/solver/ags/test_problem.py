@@ -55,7 +55,7 @@ def test_a_compression_test_becomes_an_oedometer_test(tmp_path: Path) -> None:
     for words in (
         "1.2 kPa is assumed, a tenth",
         "24 h are assumed for each (--stage-duration), without effect with soft_soil",
-        "tell nothing about creep",
+        "say nothing about creep",
         "is CONS_IVR of the first increment",
     ):
         assert words in told

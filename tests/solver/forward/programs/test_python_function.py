@@ -217,7 +217,7 @@ def test_an_exception_is_told_with_the_lines_of_the_users_file_alone(tmp_path: P
         ),
         ("import sys\n    sys.exit(3)", "bad_output", "f ended the program"),
         ("raise MemoryError", "killed_memory", "ran out of memory"),
-        ("return data", "bad_output", "below if __name__ == '__main__' is not there"),
+        ("return data", "bad_output", "below if __name__ == '__main__' does not run"),
         ("f(x, a)", "bad_output", "RecursionError"),
     ],
 )
