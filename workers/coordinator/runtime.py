@@ -248,13 +248,13 @@ class Runtime:
         transition = apply(due.job, joined, course)
         return Closed(generation, transition, due.stopping, _conclusion(course, transition, joined.runs))
 
-    def tell_kernels(self, job_id: str, seconds: float | None) -> None:
-        """Tell watchers of a job that kernels are being compiled for it (None), or were, and in how many seconds."""
+    def tell_kernels(self, job_id: str, compiled: int, missing: int, seconds: float | None) -> None:
+        """Tell watchers of a job how many groups of kernels are compiled for it; at the end, in which time [s]."""
 
         def work(connection: Connection) -> None:
             locked = lock_job(connection, job_id)
             if locked is not None:
-                data = pack_json({"seconds": seconds})
+                data = pack_json({"compiled": compiled, "missing": missing, "seconds": seconds})
                 row = {"job_id": job_id, "kind": "kernels", "data": data, "created_at": locked.now}
                 insert_events(connection, [row])
 
