@@ -72,7 +72,7 @@ class _Grid:
     def tell(self, objectives: FloatArray, runs: Any = None) -> None:  # noqa: ARG002
         if self.generation == 1 and "pytest" not in sys.modules:  # it must not end the tests
             if self.fault == "exit":
-                os._exit(7)
+                os._exit(0)
             if self.fault == "hang":
                 time.sleep(1e6)
         self.generation += 1

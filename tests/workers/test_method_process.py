@@ -49,7 +49,7 @@ def test_it_makes_the_same_history(desk: AgentDesk, service: JobService) -> None
 @pytest.mark.parametrize(
     ("fault", "ended"),
     [
-        ("exit", "ended its process (exit status 7)"),
+        ("exit", "ended its process (exit status 0)"),
         ("hang", "did not return within 3 s, and its process was killed"),
     ],
 )

@@ -32,7 +32,7 @@ log = logging.getLogger(__name__)
 BOOTSTRAP = child_program("geoswarm.workers.agents.method_process")
 TRIES = 2
 LIMIT_SECONDS = 300.0
-NO_STORE = 75  # exit code
+NO_STORE, ACTED = 75, 76  # exit codes: a method itself may end the process with 0
 
 
 def begin(runtime: Runtime, prepared: Prepared, slots: int) -> None:
@@ -105,7 +105,7 @@ class MethodProcess:
         finally:
             kill_session(process.pid)
             code = process.wait()
-        if code in (0, NO_STORE):
+        if code in (ACTED, NO_STORE):
             return None
         return f"ended its process ({f'signal {-code}' if code < 0 else f'exit status {code}'})"
 
@@ -122,11 +122,10 @@ def main(given: Mapping[str, Any]) -> None:
         runtime = Runtime(store, settings)
         try:
             prepared = PreparedJobs(store, settings).get(given["job"])
-            if prepared is None:
-                return
-            answer = runtime.exchange(prepared.id, "", prepared.course, Submission(), live_workers=1, want=False)
-            if answer.queued:
-                begin(runtime, prepared, given["slots"])
+            if prepared is not None:
+                answer = runtime.exchange(prepared.id, "", prepared.course, Submission(), live_workers=1, want=False)
+                if answer.queued:
+                    begin(runtime, prepared, given["slots"])
         except StoreUnavailableError:
             raise
         except Exception as error:
@@ -135,3 +134,4 @@ def main(given: Mapping[str, Any]) -> None:
     except StoreUnavailableError as error:
         log.warning("%s", error)
         sys.exit(NO_STORE)
+    sys.exit(ACTED)
