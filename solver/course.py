@@ -6,12 +6,14 @@ Both the in-process loop and the distributed engine go through :meth:`Course.adv
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.methods.base import Task
+from geoswarm.solver.methods.base import Maker, Task
+from geoswarm.solver.methods.registry import BUILT_IN
 from geoswarm.solver.methods.widths import REMEMBERED, Situation
 from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import SHARE_OF_SEARCH
@@ -44,22 +46,8 @@ class Course:
     """
 
     def __init__(self, calibration: Calibration) -> None:
-        problem = calibration.problem
         self.calibration = calibration
-        self.criteria = stop_criteria(problem.stopping)
-        initial = np.array([np.nan if p.initial is None else p.initial for p in problem.free])
-        quick = problem.forward_model.quick
-        self._maker = problem.method.maker(
-            Task(
-                calibration.space,
-                calibration.seed,
-                initial,
-                problem.planned_evaluations,
-                calibration.offered,
-                quick,
-                problem.series_by_test,
-            )
-        )
+        self.criteria = stop_criteria(calibration.problem.stopping)
 
     def start(self, slots: int = 1) -> Progress:
         """Ask for generation 0.
@@ -95,6 +83,27 @@ class Course:
     def problem(self) -> Problem:
         """What is calibrated."""
         return self.calibration.problem
+
+    @property
+    def foreign_method(self) -> bool:
+        """Whether its method is of another package: it acts in :meth:`start` and :meth:`advance` only."""
+        return self.problem.method.kind not in BUILT_IN
+
+    @cached_property
+    def _maker(self) -> Maker:
+        calibration, problem = self.calibration, self.problem
+        initial = np.array([np.nan if p.initial is None else p.initial for p in problem.free])
+        return problem.method.maker(
+            Task(
+                calibration.space,
+                calibration.seed,
+                initial,
+                problem.planned_evaluations,
+                calibration.offered,
+                problem.forward_model.quick,
+                problem.series_by_test,
+            )
+        )
 
     def learns(self, progress: Progress) -> bool:
         """Whether all runs so far are needed to go on from there."""

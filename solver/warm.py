@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law
 
 Tell: TypeAlias = Callable[[int, int], object]
-"""Is told after every kernel how many have been compiled, and about how many there are."""
+"""Is told before and after each group of kernels how many are compiled, of how many that were missing."""
 
 MATERIAL: dict[str, Any] = {
     "lambda_star": {"value": 0.1},
@@ -127,21 +127,6 @@ laboratory tests on any law, and consolidating columns of any law."""
 GROUPS = (*SAMPLES, *BUILT_IN, *USER_LAWS, OTHER_LAWS)
 """What is compiled by itself: the samples, each law, what calls laws of libraries, and the laws of other packages."""
 
-KERNELS = {
-    "oedometer": 15,
-    "section": 17,
-    "element_test": 7,
-    "consolidation": 11,
-    "drucker_prager": 16,
-    "hardening_soil": 21,
-    "hardening_soil_small": 12,
-    "hypoplastic_clay": 15,
-    "modified_cam_clay": 3,
-    "mohr_coulomb": 6,
-    "soft_soil_creep": 17,
-}
-"""About how many kernels each of them compiles; others but few."""
-
 _SECONDS = {
     "oedometer": 3,
     "section": 9,
@@ -154,7 +139,7 @@ _SECONDS = {
     "mohr_coulomb": 4,
     "soft_soil_creep": 7,
 }
-"""About how long that takes; others but a second."""
+"""About how long it takes to compile a group; others but a second."""
 
 _AFTER = {
     "hardening_soil_small": "hardening_soil",
@@ -207,23 +192,23 @@ def _plain_python() -> bool:
     return bool(config.DISABLE_JIT)  # type: ignore[attr-defined]  # Numba sets its options by name
 
 
-def compile_kernels(problem: Problem, tell: Tell = lambda _compiled, _planned: None) -> float:
+def compile_kernels(problem: Problem, tell: Tell = lambda _compiled, _missing: None) -> float:
     """Compile what a problem needs, or wait until another process has done so; return the time it took [s]."""
     return compile_for(problem.forward_model, tell)
 
 
-def compile_for(spec: ForwardModelSpec, tell: Tell = lambda _compiled, _planned: None) -> float:
+def compile_for(spec: ForwardModelSpec, tell: Tell = lambda _compiled, _missing: None) -> float:
     """Compile what a forward model needs; see :func:`compile_kernels`."""
     if not missing_kernels(spec):
         return 0.0
     began = time.monotonic()
     with alone(settle()):
         missing = missing_kernels(spec)
-        planned = sum(KERNELS.get(group, 1) for group in missing)
-        with _counting(lambda compiled: tell(compiled, max(planned, compiled))):
-            for group in missing:
-                run_sample(group)
-                note_compiled(group)
+        for compiled, group in enumerate(missing):
+            tell(compiled, len(missing))
+            run_sample(group)
+            note_compiled(group)
+        tell(len(missing), len(missing))
     return time.monotonic() - began
 
 
@@ -359,27 +344,6 @@ def _fingerprint_of(group: str) -> tuple[str, ...]:
         module = USER_LAWS[group].partition(":")[0].removeprefix("geoswarm.solver.")
         return (fingerprint(SOLVER / f"{module.replace('.', '/')}.py"),)
     return tuple(fingerprint(Path(inspect.getfile(type(law)))) for law in _laws_of(group))
-
-
-@contextmanager
-def _counting(tell: Callable[[int], object]) -> Iterator[None]:
-    """Tell after each kernel compiled in the body how many there were."""
-    from numba.core import event
-
-    class Counter(event.Listener):
-        compiled = 0
-
-        def on_start(self, started: Any) -> None:
-            """Nothing is done yet."""
-
-        def on_end(self, ended: Any) -> None:
-            """Count kernels of ours, not the functions of Numba that they call."""
-            if ended.data["dispatcher"].py_func.__module__.startswith("geoswarm."):
-                self.compiled += 1
-                tell(self.compiled)
-
-    with event.install_listener("numba:compile", Counter()):
-        yield
 
 
 def _main() -> None:

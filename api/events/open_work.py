@@ -136,6 +136,8 @@ class OpenWorkWatch:
             self._listener.stop()
         for waiter in self._waiters:
             waiter.woken.set()
+        if "desk" in vars(self):
+            self.desk.close()
 
     def _wake(self, number: int) -> None:
         self._wanted = max(self._wanted, number)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import anyio.to_thread
 from fastapi import APIRouter, Query, Request
@@ -65,12 +65,16 @@ async def import_tests(
             "increment if absent",
         ),
     ] = None,
+    words: Annotated[
+        Literal["keys", "fields"],
+        Query(description="how notes and messages name what can be given: by keys, or by fields of the dashboard"),
+    ] = "keys",
 ) -> AgsProblem:
     """Convert tests of a file into a problem, and monitoring into CSV files, as ``geoswarm import ags``. Nothing is
     stored."""
     wishes = {"duration": stage_duration, "material": material, "initial_stress": initial_stress}
     slot = limiter(request, "files")
-    return await anyio.to_thread.run_sync(_imported, content, name, specimen or [], wishes, limiter=slot)
+    return await anyio.to_thread.run_sync(_imported, content, name, specimen or [], wishes, words, limiter=slot)
 
 
 def _listed(content: bytes, name: str) -> AgsContents:
@@ -85,16 +89,17 @@ def _listed(content: bytes, name: str) -> AgsContents:
     return AgsContents.model_validate({"name": name, "count": len(found), "items": found[:MAX_LISTED]})
 
 
-def _imported(content: bytes, name: str, specimens: list[str], wishes: dict[str, Any]) -> AgsProblem:
+def _imported(content: bytes, name: str, specimens: list[str], wishes: dict[str, Any], words: str) -> AgsProblem:
     from geoswarm.solver.ags.contents import contents_of, picked
     from geoswarm.solver.ags.document import made_of, with_points
     from geoswarm.solver.ags.reading import read_ags
     from geoswarm.solver.ags.tables import AgsError
-    from geoswarm.solver.ags.wishes import KEYS, Wishes
+    from geoswarm.solver.ags.wishes import FORM, KEYS, Wishes
 
+    asked = FORM if words == "fields" else KEYS
     try:
-        contents = picked(contents_of(read_ags(content, name)), specimens, KEYS.specimen)
-        made = made_of(contents, Wishes(**wishes, asked=KEYS))
+        contents = picked(contents_of(read_ags(content, name)), specimens, asked.specimen)
+        made = made_of(contents, Wishes(**wishes, asked=asked))
     except AgsError as error:
         raise _unreadable(error) from None
     return AgsProblem.model_validate(

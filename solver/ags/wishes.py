@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["COMMAND_LINE", "KEYS", "Asked", "Wishes"]
+__all__ = ["COMMAND_LINE", "FORM", "KEYS", "Asked", "Wishes"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +20,8 @@ class Asked:
 COMMAND_LINE = Asked("--specimen", "--material", "--stage-duration", "--initial-stress")
 KEYS = Asked("specimen", "material", "stage_duration", "initial_stress")
 """Of a request."""
+FORM = Asked("the list of tests", "“Soil law”", "“Duration of an increment”", "“Initial stress”")
+"""Of the dialog of the dashboard."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ def make_ready(
     problem: Problem,
     *,
     unwanted: Callable[[], bool] = lambda: False,
-    tell: Callable[[float | None], None] = lambda _seconds: None,
+    tell: Callable[[int, int, float | None], object] = lambda _compiled, _missing, _seconds: None,
 ) -> bool:
     """Load the forward models and kernels that a problem needs.
 
@@ -32,7 +32,8 @@ def make_ready(
     unwanted
         Whether to give up; then the answer is False.
     tell
-        Called with None when this worker begins to compile, then with the time that it took [s].
+        Called, when this worker compiles, with the number of groups of kernels that are compiled, that of those that
+        were missing, and at the end the time that it took [s]; None before.
     """
     kinds = {part.kind for part in (problem.forward_model, *problem.forward_model.by_part().values())}
     evaluator.import_models(kinds, unwanted)
@@ -41,17 +42,17 @@ def make_ready(
         with alone(settle(), unwanted) as turn:
             missing = [group for group in missing_kernels(problem.forward_model) if group in groups]
             if turn and missing:
-                log.warning("compiling the kernels for this machine: once after an installation, about a minute")
-                tell(None)
+                log.warning("compiling the kernels for this machine: once after an installation")
                 began = time.monotonic()
-                for group in missing:
+                for compiled, group in enumerate(missing):
+                    tell(compiled, len(missing), None)
                     evaluator.load(group, unwanted)
                     if group in evaluator.loaded:
                         note_compiled(group)
                 if not unwanted():
                     seconds = time.monotonic() - began
                     log.warning("kernels compiled in %.1f s", seconds)
-                    tell(seconds)
+                    tell(len(missing), len(missing), seconds)
     for group in groups:
         if group not in evaluator.loaded and not unwanted():
             evaluator.load(group, unwanted)

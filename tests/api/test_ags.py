@@ -84,6 +84,17 @@ def test_what_the_file_does_not_say_can_be_given(app: App) -> None:
     assert any("48 h are assumed for each (stage_duration)" in note for note in answer["notes"])
 
 
+def test_notes_and_messages_name_fields_where_they_are_asked_for(app: App) -> None:
+    notes = made(app, "BH1/3/1/4.60", words="fields")["notes"]
+    assert any("24 h are assumed for each (“Duration of an increment”)" in note for note in notes)
+    assert any(note.endswith("(“Initial stress” gives another)") for note in notes)
+    asked = {"name": "a.ags", "specimen": ["BH1/3/1/4.60"], "initial_stress": 500.0, "words": "fields"}
+    refused = app.post(PROBLEM, params=asked, content=content()).json()["issues"][0]["message"]
+    assert refused.startswith("“Initial stress” must be above 0 and below 12 kPa")
+    refused = app.post(PROBLEM, params=asked | {"material": "clay"}, content=content()).json()["issues"][0]["message"]
+    assert refused.startswith("“Soil law”: ")
+
+
 def test_several_specimens_make_a_combined_problem(app: App) -> None:
     answer = made(app, "BH1/3/1/4.60", "BH1/3/2/4.70")
     problem = answer["problem"]

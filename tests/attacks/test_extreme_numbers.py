@@ -37,6 +37,11 @@ JOBS = {
         method={"kind": "monte_carlo", "samples": 60},
         stopping={},
     ),
+    "apart": line_problem(
+        forward_model={"kind": "formula", "series": {"y": "a * 1e100 + b"}},
+        parameters={"a": {"lower": 0.0, "upper": 3.0}, "b": {"lower": 0.0, "upper": 3.0}},
+        stopping={"max_evaluations": 80},
+    ),
 }
 REFUSED = {
     "observations[0].error": (job(1.0, error=1e-200), job(1.0, error=1e200)),

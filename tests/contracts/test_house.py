@@ -107,5 +107,17 @@ def test_make_help_lists_the_commands() -> None:
     assert listed == whole.split()
 
 
+def test_make_demo_compiles_nothing_ahead() -> None:
+    """The demo itself compiles what it needs; all kernels take some ten times as long."""
+
+    def commands(target: str) -> str:
+        asked = ["make", "--dry-run", "--what-if", "solver/warm.py", target]
+        return subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+
+    assert "geoswarm.solver.warm" in commands("setup")
+    assert "geoswarm.solver.warm" not in commands("demo")
+    assert "geoswarm demo" in commands("demo")
+
+
 def test_files_that_are_left_out_of_the_fast_tests_exist() -> None:
     assert [name for name in sorted(STARTING | LENGTHY) if not (ROOT / "tests" / name).is_file()] == []

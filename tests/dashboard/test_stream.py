@@ -52,9 +52,11 @@ def test_compiling_is_reported(embedded: Site, visit: Visit, job: str) -> None:
     page, _ = visit(embedded, f"/jobs/{job}/search")
     goes_on(page)
     runtime = Runtime(embedded.service.store, Settings())
-    runtime.tell_kernels(job, None)
+    runtime.tell_kernels(job, 0, 2, None)
     expect(page.locator("#connection")).to_contain_text("compiles the numerical kernels", timeout=SOON)
-    runtime.tell_kernels(job, 52.0)
+    runtime.tell_kernels(job, 1, 2, None)
+    expect(page.locator("#connection")).to_contain_text("1 of 2 groups are compiled.", timeout=SOON)
+    runtime.tell_kernels(job, 2, 2, 52.0)
     expect(page.locator("#connection")).to_be_hidden(timeout=SOON)
     assert embedded.service.get(job).state == "running"
 

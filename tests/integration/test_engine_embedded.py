@@ -103,7 +103,7 @@ def test_a_model_that_would_end_every_worker_is_built_in_none(database_url: str)
 @pytest.mark.slow
 @pytest.mark.parametrize("local_batch_seconds", [0.0, 1.0])
 def test_a_method_that_ends_every_worker_fails_its_job_alone(database_url: str, local_batch_seconds: float) -> None:
-    fatal = line(method={"kind": "grid", "levels": 4, "ends_workers": True}, stopping={})
+    fatal = line(method={"kind": "grid", "levels": 4, "fault": "exit"}, stopping={})
     settings = Settings(database_url=database_url, workers=1, **{**STEADY, "local_batch_seconds": local_batch_seconds})
     with open_engine(settings) as engine:
         fatal_id = engine.service.submit(fatal)[0].id

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 from geoswarm.solver import warm
-from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.runner import kernels
 from geoswarm.solver.runner.evaluator import InlineEvaluator
 from geoswarm.solver.runner.kernels import make_ready
@@ -52,23 +53,35 @@ def oedometer(**changes: Any) -> Problem:
 @pytest.mark.usefixtures("nothing_compiled")
 def test_of_several_workers_one_compiles() -> None:
     log: list[str] = []
-    told: list[float | None] = []
+    told: list[tuple[int, int, float | None]] = []
+
+    def tell(compiled: int, missing: int, seconds: float | None) -> None:
+        told.append((compiled, missing, seconds))
+
     workers = [Compiler(log, name) for name in "abc"]
     threads = [
-        threading.Thread(target=make_ready, args=(worker, oedometer()), kwargs={"tell": told.append})
-        for worker in workers
+        threading.Thread(target=make_ready, args=(worker, oedometer()), kwargs={"tell": tell}) for worker in workers
     ]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
     assert sorted(log) == ["a oedometer", "b oedometer", "c oedometer"]  # the others load what the first one compiled
-    assert told[0] is None
-    assert len(told) == 2
-    assert told[1] is not None
-    assert told[1] >= 0.1
-    assert make_ready(workers[0], oedometer(), tell=told.append)
+    assert told[0] == (0, 1, None)
+    assert told[1][:2] == (1, 1)
+    assert told[1][2] is not None
+    assert told[1][2] >= 0.1
+    assert make_ready(workers[0], oedometer(), tell=tell)
     assert (len(log), len(told)) == (3, 2)
+
+
+@pytest.mark.usefixtures("nothing_compiled")
+def test_who_waits_is_told_how_many_groups_are_compiled() -> None:
+    told: list[tuple[int, int]] = []
+    with example_file("slope") as path:
+        problem = load_problem(path)
+    assert make_ready(Compiler([], "a"), problem, tell=lambda compiled, missing, _: told.append((compiled, missing)))
+    assert told == [(0, 4), (1, 4), (2, 4), (3, 4), (4, 4)]
 
 
 @pytest.mark.usefixtures("nothing_compiled")

@@ -14,10 +14,11 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from geoswarm.solver.errors import InfeasibleSpaceError, ProblemError, SolverError
+from geoswarm.solver.errors import ProblemError, SolverError
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.progress.state import Progress
+from geoswarm.solver.runner.evaluator import BuildError
 from geoswarm.solver.system.versions import versions
+from geoswarm.workers.agents.method_process import MethodProcess, begin
 from geoswarm.workers.agents.prepared import Prepared, PreparedJobs, is_need, needs_of, registered_need
 from geoswarm.workers.agents.side import SECONDS_TO_SPARE, Side, slot_name
 from geoswarm.workers.agents.work import Announcement, BroughtRun, Grant, Terms, Wanted, evaluation_of
@@ -27,7 +28,8 @@ from geoswarm.workers.errors import LeaseOverError, QuotaExceededError, UnknownA
 from geoswarm.workers.operations.counters import process_counters
 from geoswarm.workers.queries import agents as rows
 from geoswarm.workers.queries.evaluations import renew_leases, still_wanted
-from geoswarm.workers.queries.queue import most_urgent_job, open_needs
+from geoswarm.workers.queries.jobs import lock_job
+from geoswarm.workers.queries.queue import most_urgent_job, note_served, open_needs
 from geoswarm.workers.queries.workers import busy_workers, count_live
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
@@ -67,9 +69,14 @@ class AgentDesk:
         self.on_work: Callable[[str, int], None] = lambda _job_id, _number: None
         """Called with the number of others that have work, in the thread that made it."""
         self._waker = waker
-        self._runtime = Runtime(store, settings)
+        self._runtime = Runtime(store, settings, foreign_methods=False)
+        self._methods = MethodProcess(store, settings)
         self._jobs = PreparedJobs(store, settings)
         self._seen: dict[str, float] = {}
+
+    def close(self) -> None:
+        """Let nobody wait for a method of another package any longer."""
+        self._methods.close()
 
     def announce(self, key_id: str, agent: Announcement) -> Terms:
         """Register an agent, or update what it offers; return its terms.
@@ -262,25 +269,36 @@ class AgentDesk:
         self, prepared: Prepared, side: Side, submission: Submission, *, want: bool, taken_up: bool
     ) -> Exchange:
         """Exchange with the coordinator; a job that was not begun is begun."""
+
+        def exchange(submission: Submission) -> Exchange:
+            return self._runtime.exchange(
+                prepared.id,
+                side.worker,
+                prepared.course,
+                submission,
+                live_workers=self._live_workers(),
+                want=want,
+                taken_up=taken_up,
+                agent=side,
+            )
+
+        foreign = prepared.course.foreign_method
         with prepared.turn:
-            for _ in range(2):
-                answer = self._runtime.exchange(
-                    prepared.id,
-                    side.worker,
-                    prepared.course,
-                    submission,
-                    live_workers=self._live_workers(),
-                    want=want,
-                    taken_up=taken_up,
-                    agent=side,
-                )
-                if not answer.queued:
-                    break
-                try:
-                    progress: Progress | InfeasibleSpaceError = prepared.course.start(self._free_slots())
-                except InfeasibleSpaceError as error:
-                    progress = error
-                self._runtime.start(prepared.id, progress)
+            answer = exchange(submission)
+            if answer.queued and not foreign:
+                begin(self._runtime, prepared, self._free_slots())
+                answer = exchange(submission)
+        if foreign and (answer.queued or answer.due):
+            try:
+                acted = self._methods.go_on(prepared, self._free_slots())
+            except BuildError as error:
+                acted = True
+                self._runtime.give_up(prepared.id, f"BuildError: {error}")
+            if not acted:
+                self.store.write(lambda connection: _pass_over(connection, prepared.id))
+                return answer
+            with prepared.turn:
+                answer = exchange(Submission())
         return answer
 
     def _tell(self, prepared: Prepared, answer: Exchange, grant: Grant | None) -> None:
@@ -335,6 +353,13 @@ class AgentDesk:
     def _free_slots(self) -> int:
         busy = self.store.read(lambda connection: len(busy_workers(connection)))
         return max(1, self._live_workers() - busy)
+
+
+def _pass_over(connection: Connection, job_id: str) -> None:
+    """Let the jobs of others come first while the method of one acts."""
+    locked = lock_job(connection, job_id, briefly=True)
+    if locked is not None:
+        note_served(connection, locked.row)
 
 
 def _claim(lease: Record) -> Claim:

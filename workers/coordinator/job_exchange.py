@@ -44,7 +44,7 @@ ENOUGH = 32  # results of generation 0 that tell what a run costs
 
 @dataclass(frozen=True, slots=True)
 class Due:
-    """A complete generation of a search that learns from all runs: to be closed with no transaction open."""
+    """A complete generation to be closed with no transaction open, as of a search that learns from all runs."""
 
     job: JobStatus
     joined: GenerationJoined
@@ -243,7 +243,7 @@ class JobExchange:
                 criteria=changed_criteria(stopping),
                 situation=self._situation([row.seconds or 0.0 for row in counted]),
             )
-            if self._learns():  # takes its time: the database must not wait
+            if self._learns() or self.course.foreign_method:  # may take its time: the database must not wait
                 self.due = Due(self.job, event, stopping)
                 return None
             transition = apply(self.job, event, self.course)

@@ -63,11 +63,18 @@ logger = logging.getLogger(__name__)
 
 
 class Runtime:
-    """The coordinator of all jobs in one store; it has no state of its own except a memory of finished runs."""
+    """The coordinator of all jobs in one store; it has no state of its own except a memory of finished runs.
 
-    def __init__(self, store: Store, settings: Settings) -> None:
+    Parameters
+    ----------
+    foreign_methods
+        Whether methods of other packages act in this process, which may end by it.
+    """
+
+    def __init__(self, store: Store, settings: Settings, *, foreign_methods: bool = True) -> None:
         self.store = store
         self.settings = settings
+        self.foreign_methods = foreign_methods
         self.logs: MutableMapping[Course, RunLog] = WeakKeyDictionary()
         self._together = Together(self._exchange)
 
@@ -223,6 +230,8 @@ class Runtime:
         brought = dict(enumerate(asked))
         answers, due = self.store.write(lambda connection: work(connection, brought, None))
         while answers is not None and due is not None:
+            if course.foreign_method and not self.foreign_methods:
+                return [Exchange(due=True) for _ in asked]
             closed = self._close(job_id, course, due)
             still = {number: replace(brought[number], submission=Submission()) for number in answers}
             answers, due = self.store.write(partial(work, what=still, closed=closed))
@@ -231,8 +240,10 @@ class Runtime:
         return [answers.get(number, Exchange()) for number in range(len(asked))]
 
     def _close(self, job_id: str, course: Course, due: Due) -> Closed:
-        """Close a generation with all runs so far. They are final, and no transaction is open while it searches."""
-        generation = due.joined.generation
+        """Close a generation, with all runs so far if it learns from them, while no transaction is open."""
+        generation, progress = due.joined.generation, due.job.progress
+        if progress is not None and not course.learns(progress):
+            return Closed(generation, apply(due.job, due.joined, course), due.stopping)
         log = self.logs.setdefault(course, RunLog(course.calibration))
         if log.failed != self.store.read(lambda connection: count_failed(connection, job_id, log.generations)):
             log = self.logs[course] = RunLog(course.calibration)  # some were run again since, with success
@@ -248,13 +259,13 @@ class Runtime:
         transition = apply(due.job, joined, course)
         return Closed(generation, transition, due.stopping, _conclusion(course, transition, joined.runs))
 
-    def tell_kernels(self, job_id: str, seconds: float | None) -> None:
-        """Tell watchers of a job that kernels are being compiled for it (None), or were, and in how many seconds."""
+    def tell_kernels(self, job_id: str, compiled: int, missing: int, seconds: float | None) -> None:
+        """Tell watchers of a job how many groups of kernels are compiled for it; at the end, in which time [s]."""
 
         def work(connection: Connection) -> None:
             locked = lock_job(connection, job_id)
             if locked is not None:
-                data = pack_json({"seconds": seconds})
+                data = pack_json({"compiled": compiled, "missing": missing, "seconds": seconds})
                 row = {"job_id": job_id, "kind": "kernels", "data": data, "created_at": locked.now}
                 insert_events(connection, [row])
 

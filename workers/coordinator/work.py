@@ -183,6 +183,8 @@ class Exchange:
         How many other workers should be woken.
     queued
         The job has not started: its generation 0 must be asked for first.
+    due
+        The generation is complete, and a method of another package, which may not act in this process, has to close it.
     left
         Something is left for others.
     waiting
@@ -193,6 +195,7 @@ class Exchange:
     claim: Claim | None = None
     wakes: int = 0
     queued: bool = False
+    due: bool = False
     left: bool = False
     waiting: float | None = None
 

@@ -14,7 +14,6 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.forward.registry import is_foreign
-from geoswarm.solver.methods.registry import BUILT_IN
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runner.evaluator import BuildError, Evaluator, InlineEvaluator, NoProcessError, RunLimits
@@ -287,14 +286,14 @@ class Worker:
             )
         turn.begins = turn.begins and answer.queued
         done, following = submission.claim, answer.claim
-        if _foreign_method(course) and done and following and following.generation > done.generation:
+        if course.foreign_method and done and following and following.generation > done.generation:
             self.store.write(lambda connection: end_build(connection, job_id))
         return answer
 
     @contextmanager
     def _method_acts(self, job_id: str, course: Course, *, acts: bool = True) -> Iterator[None]:
         """Note that a method of another package acts in this process, which may end by it."""
-        if not (acts and _foreign_method(course)):
+        if not (acts and course.foreign_method):
             yield
             return
         self._begin(job_id)
@@ -338,7 +337,7 @@ class Worker:
         except Exception:
             self.store.write(lambda connection: end_build(connection, job_id, self.identity.id))
             raise
-        built_by = self.identity.id if _foreign_method(course) else None  # those that it ended remain noted
+        built_by = self.identity.id if course.foreign_method else None  # those that it ended remain noted
         self.store.write(lambda connection: end_build(connection, job_id, built_by))
         return course
 
@@ -410,7 +409,3 @@ class _Turn:
             self.until = time.monotonic() + slice_seconds
             self.begins, self.noted = True, False
         return time.monotonic() < self.until
-
-
-def _foreign_method(course: Course) -> bool:
-    return course.problem.method.kind not in BUILT_IN

@@ -20,7 +20,7 @@ from geoswarm.cli.service.hooks import add_hook, tell_secret
 from geoswarm.cli.service.jobs import problem_of, show_job, statistics_of
 from geoswarm.cli.service.progress import progress_bar
 from geoswarm.cli.words.error_messages import BadInputError, FailedRunError
-from geoswarm.cli.words.kernels import COMPILING, compiled_in
+from geoswarm.cli.words.kernels import note_event
 from geoswarm.cli.words.output import echo_json, note, record_json
 
 if TYPE_CHECKING:
@@ -151,8 +151,7 @@ def follow(client: Client, job: Job) -> Job:
             elif event.kind == "versions":
                 note(f"Warning: {event.data['message']}")
             elif event.kind == "kernels":
-                seconds = event.data["seconds"]
-                note(COMPILING if seconds is None else compiled_in(seconds))
+                note_event(event.data)
 
         try:
             return client.wait(job.id, on_event=on_event)

@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from geoswarm.cli.words.output import duration, note, progress_console
 
 if TYPE_CHECKING:
     from geoswarm.solver.problem import Problem
 
-__all__ = ["COMPILING", "all_ready", "compiled_in", "ready"]
+__all__ = ["COMPILING", "all_ready", "note_event", "ready"]
 
-COMPILING = "Compiling the kernels for this machine: once after an installation, about a minute."
+COMPILING = "Compiling the kernels for this machine: once after an installation."
 LINE_SECONDS = 10.0
-
-
-def compiled_in(seconds: float) -> str:
-    """Say how long it took."""
-    return f"Kernels compiled in {duration(seconds)}."
 
 
 def ready(problem: Problem) -> float:
@@ -33,20 +28,46 @@ def ready(problem: Problem) -> float:
     note(COMPILING)
     with _showing() as tell:
         seconds = compile_kernels(problem, tell)
-    note(compiled_in(seconds))
+    note(_compiled_in(seconds))
     return seconds
 
 
 def all_ready() -> None:
-    """Compile all kernels, several at once, unless that was done before; a note on stderr says so."""
+    """Compile all kernels, several at once, unless that was done before."""
     from geoswarm.solver.warm import missing_groups, warm
 
-    if not missing_groups():
+    missing = missing_groups()
+    if not missing:
         return
     note(COMPILING)
     began = time.monotonic()
-    warm()
-    note(compiled_in(time.monotonic() - began))
+    left = set(missing)
+    with _showing() as tell:
+        tell(0, len(missing))
+
+        def report(group: str, _seconds: float) -> None:
+            left.discard(group)
+            tell(len(missing) - len(left), len(missing))
+
+        warm(report)
+    note(_compiled_in(time.monotonic() - began))
+
+
+def note_event(data: Mapping[str, Any]) -> None:
+    """Note what an event says of kernels that a worker compiles."""
+    compiled = data.get("compiled", 0)  # not in events of 0.1
+    if data["seconds"] is not None:
+        note(_compiled_in(data["seconds"]))
+    else:
+        note(_counts(compiled, data["missing"]) if compiled else COMPILING)
+
+
+def _compiled_in(seconds: float) -> str:
+    return f"Kernels compiled in {duration(seconds)}."
+
+
+def _counts(compiled: int, missing: int) -> str:
+    return f"{compiled} of {missing} groups of kernels are compiled."
 
 
 @contextmanager
@@ -57,12 +78,12 @@ def _showing() -> Iterator[Callable[[int, int], None]]:
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("kernels"), BarColumn(), TextColumn("{task.fields[counts]}"), TimeElapsedColumn())
+    columns = (TextColumn("groups of kernels"), BarColumn(), TextColumn("{task.fields[counts]}"), TimeElapsedColumn())
     with Progress(*columns, console=progress_console(), transient=True) as bars:
         task = bars.add_task("", total=None, counts="")
 
-        def tell(compiled: int, planned: int) -> None:
-            bars.update(task, completed=compiled, total=planned, counts=f"{compiled} of about {planned}")
+        def tell(compiled: int, missing: int) -> None:
+            bars.update(task, completed=compiled, total=missing, counts=f"{compiled} of {missing}")
 
         yield tell
 
@@ -73,9 +94,9 @@ class _Lines:
     def __init__(self) -> None:
         self._told = time.monotonic()
 
-    def tell(self, compiled: int, planned: int) -> None:
+    def tell(self, compiled: int, missing: int) -> None:
         """Write a line when the last one is some time ago."""
         now = time.monotonic()
-        if now - self._told >= LINE_SECONDS:
+        if 0 < compiled < missing and now - self._told >= LINE_SECONDS:
             self._told = now
-            note(f"{compiled} of about {planned} kernels are compiled.")
+            note(_counts(compiled, missing))

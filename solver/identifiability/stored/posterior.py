@@ -138,6 +138,12 @@ def sample_posterior(
         raise StatisticsError(needs_extra("a posterior sample", "emcee")) from missing
 
     surface = surface or fit_surface(calibration, samples, seed=seed)
+    if not np.isfinite(surface.objective_error):
+        raise StatisticsError(
+            "no response surface holds for the stored evaluations: their objectives, "
+            f"{samples.objectives[samples.best]:g} and more, are too far apart; narrower bounds, or a transformed "
+            "parameter, are needed"
+        )
     space = calibration.space
     low, span = space.search_lower, space.search_upper - space.search_lower
     known = problem_noise(calibration.problem) if noise is None else known_noise(calibration.problem, noise)

@@ -151,5 +151,6 @@ def _hold_out(
         mean, components, interpolator = _fit(unit[~held], residuals[~held])
         predicted[held] = np.sum(objective.with_losses(mean + interpolator(unit[held]) @ components) ** 2, axis=1)
     good = objectives <= max(4.0 * float(objectives.min()), float(np.sort(objectives)[min(19, len(objectives) - 1)]))
-    relative = predicted[good] / np.maximum(objectives[good], 1e-300) - 1.0
-    return float(np.sqrt(np.mean(relative**2))), int(good.sum())
+    with np.errstate(over="ignore"):  # infinite where objectives are too far apart
+        relative = predicted[good] / np.maximum(objectives[good], 1e-300) - 1.0
+        return float(np.sqrt(np.mean(relative**2))), int(good.sum())

@@ -35,7 +35,7 @@ OEDOMETER = {
     "stopping": {"max_evaluations": 16},
     "seed": 1,
 }
-COMPILING = "Compiling the kernels for this machine: once after an installation, about a minute.\n"
+COMPILING = "Compiling the kernels for this machine: once after an installation.\n"
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import socket
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from geoswarm.cli import main
 from geoswarm.cli.start.demo import LABORATORY, PUBLISHED
 from geoswarm.cli.start.examples import example_problem
 from geoswarm.cli.words.error_messages import BadInputError
+from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.problem import load_problem
 from tests.integration.engines import PATIENCE
 
@@ -152,7 +154,10 @@ def test_no_service_is_one_message(free_port: int, capsys: pytest.CaptureFixture
 
 
 def test_demo_ends_with_the_published_values_beside_its_own(tmp_path: Path) -> None:
-    """With its usual port taken, and without a terminal: it ends by itself."""
+    """With its usual port taken, and without a terminal: it ends by itself. It compiles what it needs, nothing else."""
+    compiled, noted = settle(), tmp_path / "kernels-by-source"
+    assert compiled is not None
+    shutil.copytree(compiled, noted, ignore=shutil.ignore_patterns("compiled-*"))  # it asks which are compiled
     with socket.create_server(("127.0.0.1", 0)) as taken:
         command = [sys.executable, "-m", "geoswarm", "demo", "--port", str(taken.getsockname()[1])]
         done = subprocess.run(
@@ -162,10 +167,11 @@ def test_demo_ends_with_the_published_values_beside_its_own(tmp_path: Path) -> N
             timeout=120,
             check=False,
             cwd=Path(__file__).parents[3],
-            env={**os.environ, "TMPDIR": str(tmp_path)},
+            env={**os.environ, "TMPDIR": str(tmp_path), "NUMBA_CACHE_DIR": str(noted)},
         )
     assert done.returncode == 0, done.stderr
     assert "SYNTHETIC" in done.stderr
+    assert [path.name.split("-")[1] for path in noted.glob("compiled-*")] == ["oedometer"]
     assert "Traceback" not in done.stderr
     for name in PUBLISHED:
         row = next(line.split() for line in done.stdout.splitlines() if line.strip().startswith(name))
@@ -175,7 +181,7 @@ def test_demo_ends_with_the_published_values_beside_its_own(tmp_path: Path) -> N
     objective = next(line.split()[1] for line in done.stdout.splitlines() if line.strip().startswith("objective"))
     assert 2e-9 < float(objective) <= 5e-9
     assert "http://127.0.0.1:" not in done.stdout  # nobody serves a page when the command has ended
-    assert list(tmp_path.iterdir()) == [], "the database was in a temporary folder that is gone"
+    assert list(tmp_path.iterdir()) == [noted], "the database was in a temporary folder that is gone"
 
 
 def test_published_values_are_those_of_the_reference_data() -> None:

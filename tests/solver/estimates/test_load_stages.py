@@ -103,3 +103,33 @@ def test_constructions_go_through_the_points_that_they_name() -> None:
     assert log.marks[-1].y == pytest.approx(100.0 * 0.5 * 0.04, rel=0.01)
     assert root.downwards
     assert log.log
+
+
+def loading(**selection: float) -> Problem:
+    """Six increments that bend at 100 kPa, the third one read for an hour only; times of the test as a whole."""
+    stresses = np.array([25.0, 50.0, 100.0, 200.0, 400.0, 800.0])
+    ends = 0.02 * np.log10(stresses / 12.5) + 0.15 * np.log10(np.maximum(stresses / 100.0, 1.0))
+    minutes, strain, begin, before = [], [], 0.0, 0.0
+    stages = []
+    for number, (stress, end) in enumerate(zip(stresses, ends, strict=True), 1):
+        times = TIMES[TIMES <= 60.0] if number == 3 else TIMES
+        share = degree(times, 0.5 * HEIGHT)
+        minutes += (begin + times).tolist()
+        strain += (before + (end - before) * share / share[-1]).tolist()
+        stages.append({"stress": stress, "duration": times[-1] / 1440.0})
+        begin, before = begin + times[-1], end
+    document = problem("two_sides").document()
+    document["forward_model"] |= {"stages": stages, "initial_stress": 12.5}
+    points = {"x": minutes, "y": strain}
+    document["observations"] = [{"series": "axial_strain", "points": points, "x_unit": "min", **selection}]
+    return parse_problem(document)
+
+
+def test_increments_that_the_search_leaves_out_whole_count_for_the_preconsolidation_stress() -> None:
+    """Without the increment to 100 kPa, which ends within the first two hours, the curve would bend elsewhere."""
+    whole, late = loading(), loading(stage_x_from=120.0)
+    assert len(late.observations[0].x) == 5 * 4
+    found = {one.method: one.value for one in classical_values(late) if one.symbol == "σ′p"}
+    assert found == {one.method: one.value for one in classical_values(whole) if one.symbol == "σ′p"}
+    assert found["log-log"] == pytest.approx(100.0, rel=0.1)
+    assert classical_values(late) == classical_values(whole)

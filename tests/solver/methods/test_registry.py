@@ -41,7 +41,7 @@ def test_a_method_of_another_package_is_like_a_built_in_one() -> None:
     assert samples.source == "grid"
     assert samples.unbiased.all()
     assert analyse(Calibration(problem, 1), samples).samples.size == 25
-    assert problem.document()["method"] == {"kind": "grid", "levels": 5, "ends_workers": False}
+    assert problem.document()["method"] == {"kind": "grid", "levels": 5, "fault": "none"}
     schema = problem_schema()
     assert schema["properties"]["method"]["discriminator"]["mapping"]["grid"] == "#/$defs/method_grid"
     assert schema["$defs"]["method_grid"]["properties"]["levels"]["default"] == 4

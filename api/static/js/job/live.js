@@ -8,7 +8,13 @@ import { openNamed } from "./evaluation.js";
 
 const { job: id } = document.querySelector("main").dataset;
 const POINTS = 3000, MOST = 9000, INTERVAL = 200;
-const COMPILING = "A worker compiles the numerical kernels: once after an installation, about a minute.";
+
+/** What an event says of kernels that a worker compiles; null: it has ended. */
+function compiling({ compiled = 0, missing, seconds }) {
+  if (seconds !== null) return null;
+  const counts = compiled ? ` ${compiled} of ${missing} groups are compiled.` : "";
+  return `A worker compiles the numerical kernels: once after an installation.${counts}`;
+}
 
 function badge({ state, retrying }) {
   const place = document.querySelector("h1 .state");
@@ -71,7 +77,7 @@ export async function live(makers) {
     onConnection: (there) => connection(there ? null : "Connection lost; trying again …"),
     onEvent: ({ kind, data }) => {
       if (kind === "state") changed();
-      else if (kind === "kernels") connection(data.seconds === null ? COMPILING : null);
+      else if (kind === "kernels") connection(compiling(data));
       else take(data);
     },
   });

@@ -10,18 +10,15 @@ import { choice, words } from "./inputs.js";
 const PAUSE = 250; // ms without a change before the service is asked
 const FEW = 12; // tests that are seen at a glance
 const LABELS = { stage_duration: "Duration of an increment", initial_stress: "Initial stress", material: "Soil law" };
-const WORDS = new RegExp(`\\b(${Object.keys(LABELS).join("|")})\\b(?=\\)| gives| must be| = |:)`, "g");
 
 /** Whether a file is in the AGS format, by its name or its first line. */
 export async function isAgs(file) {
   return /\.ags$/i.test(file.name) || /^\uFEFF?\s*"(GROUP"\s*,|\*\*)/.test(await file.slice(0, 200).text());
 }
 
-/** What is told, with the names that this form has for what can be given. */
-const told = (text) => text.replace(WORDS, (name) => `“${LABELS[name]}”`);
 /** A note as a sentence; names such as c, mu_star and of files stay small. */
-const sentence = (text) => `${told(text).replace(/^[a-z]{2,}\b(?!\.)/, (word) => word[0].toUpperCase() + word.slice(1))}${/[.!?]$/.test(text) ? "" : "."}`;
-const messages = (error) => (error.issues?.length ? error.issues.map(({ message }) => told(message)) : [told(error.message)]);
+const sentence = (text) => `${text.replace(/^[a-z]{2,}\b(?!\.)/, (word) => word[0].toUpperCase() + word.slice(1))}${/[.!?]$/.test(text) ? "" : "."}`;
+const messages = (error) => (error.issues?.length ? error.issues.map(({ message }) => message) : [error.message]);
 const several = (number, one, more = `${one}s`) => `${count(number)} ${number === 1 ? one : more}`;
 
 function ask(path, file, query, signal) {
@@ -95,7 +92,7 @@ export function agsChoice(file, contents, context, act) {
     const mine = new AbortController();
     running = mine;
     const hours = state.stage_duration ? numberOf(state.stage_duration) / 24 : null;
-    const query = { specimen: tests.filter((id) => state.chosen.has(id)), material: state.material, stage_duration: hours, initial_stress: state.initial_stress ? numberOf(state.initial_stress) : null };
+    const query = { words: "fields", specimen: tests.filter((id) => state.chosen.has(id)), material: state.material, stage_duration: hours, initial_stress: state.initial_stress ? numberOf(state.initial_stress) : null };
     try {
       made = await ask("/problem", file, query, mine.signal);
     } catch (error) {
@@ -134,7 +131,7 @@ export function agsChoice(file, contents, context, act) {
   async function takeReadings(entry) {
     try {
       const same = readings.filter((one) => one.id === entry.id);
-      const answer = await ask("/problem", file, { specimen: [entry.id] });
+      const answer = await ask("/problem", file, { words: "fields", specimen: [entry.id] });
       const { name, csv } = answer.readings[same.indexOf(entry)];
       for (const note of answer.notes) announce(sentence(note), 10);
       act.readings(name, csv);
