@@ -282,6 +282,5 @@ def test_four_times_the_text_takes_at_most_eight_times_as_long(name: str) -> Non
                 break
     finally:
         gc.enable()
-        gc.collect()
     # Each looking at all others would take 16 times as long.
     assert whole <= max(8.0 * part, QUICK), f"{LONGEST // 4} characters: {part:.4f} s, {LONGEST}: {whole:.4f} s"
