@@ -47,6 +47,7 @@ def test_the_section_is_as_described(problem: Problem) -> None:
     assert model.end == pytest.approx(33.0 * YEAR, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_laboratory_values_give_millimetres(problem: Problem) -> None:
     moved = paths(problem, LABORATORY, [30.0, 33.0])
     lengths = np.linalg.norm(moved[:, :, 1] - moved[:, :, 0], axis=1)

@@ -13,14 +13,18 @@ import pytest
 import geoswarm as gs
 from tests.geoswarm.python_models import OPTIONS, module, problem_file
 from tests.integration.engines import PATIENCE, wait_for
+from tests.variants import variants
 
 
 @pytest.mark.parametrize(
     ("function", "limits", "reason", "message"),
-    [
-        ("slow", {"seconds_per_evaluation": 0.5}, "timeout", "limits.seconds_per_evaluation"),
-        ("large", {"memory_mb": 200}, "killed_memory", "limits.memory_mb"),
-    ],
+    variants(
+        [
+            ("slow", {"seconds_per_evaluation": 0.5}, "timeout", "limits.seconds_per_evaluation"),
+            ("large", {"memory_mb": 200}, "killed_memory", "limits.memory_mb"),
+        ],
+        {"slow"},
+    ),
 )
 def test_a_run_that_exceeds_its_limits_is_killed(
     tmp_path: Path, function: str, limits: dict[str, float], reason: str, message: str

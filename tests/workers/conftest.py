@@ -20,6 +20,10 @@ from tests.servers import PostgresServer
 MakeWorker: TypeAlias = Callable[..., Worker]
 ON_SQLITE = pytest.mark.parametrize("database_url", ["sqlite"], indirect=True)
 """For what no database makes different."""
+ON_SQLITE_FIRST = pytest.mark.parametrize(
+    "database_url", ["sqlite", pytest.param("postgresql", marks=pytest.mark.slow)], indirect=True
+)
+"""For the statistics at the end of a job: other tests compare the evaluations that they read from both databases."""
 
 
 class RecordingWaker:

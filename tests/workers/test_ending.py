@@ -13,7 +13,7 @@ from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError, QuotaExceededError
 from geoswarm.workers.execution.claim_runner import ClaimRunner
 from geoswarm.workers.service.job_service import JobService
-from tests.workers.conftest import ON_SQLITE, MakeWorker
+from tests.workers.conftest import ON_SQLITE, ON_SQLITE_FIRST, MakeWorker
 from tests.workers.problems import expected_history, line, recorded_history
 
 METHODS: list[dict[str, Any]] = [
@@ -73,6 +73,7 @@ def test_a_job_that_ended_with_its_answer_goes_on_with_its_search(service: JobSe
     assert [run[2] for run in history[following]] == [run[2] for run in alone[searched : searched + 6]]
 
 
+@ON_SQLITE_FIRST
 @pytest.mark.parametrize("method", METHODS, ids=["textbook", "accelerated"])
 def test_evaluations_too_few_for_new_intervals_are_refused(
     service: JobService, make_worker: MakeWorker, method: dict[str, Any]

@@ -50,16 +50,11 @@ def cut_off(monkeypatch: pytest.MonkeyPatch, problem: str, output: Path, run: in
         assert main(["run", problem, "--output", str(output)]) == 130
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(1200)  # more than a hundred processes begin: minutes on a busy machine
-@pytest.mark.parametrize(
-    ("searches", "count", "unfinished"),
-    [(["learning"], 3, 0), pytest.param(["swarm", "learning"], 21, 5, marks=pytest.mark.slow)],
-)
-def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(
-    tmp_path: Path, searches: list[str], count: int, unfinished: int
-) -> None:
+def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "tests.geoswarm.cli.interruptions", str(tmp_path), str(count), *searches],
+        [sys.executable, "-m", "tests.geoswarm.cli.interruptions", str(tmp_path), "21", "swarm", "learning"],
         cwd=ROOT,
         env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"},
         capture_output=True,
@@ -68,7 +63,7 @@ def test_a_run_cut_off_at_random_moments_ends_at_the_same_history(
     )
     for found in json.loads(done.stdout.splitlines()[-1]):
         assert found["different"] == 0, found
-        assert found["unfinished"] >= unfinished, found  # the faults came while there was something to lose
+        assert found["unfinished"] >= 5, found  # the faults came while there was something to lose
 
 
 def test_ctrl_c_says_what_is_kept_and_how_to_go_on(

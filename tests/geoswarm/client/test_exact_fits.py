@@ -11,9 +11,10 @@ import geoswarm as gs
 from geoswarm.cli import main
 from tests.api.conftest import line_problem
 from tests.integration.engines import PATIENCE
+from tests.variants import variants
 
 
-@pytest.mark.parametrize(("readings", "kind"), [(3, "undecided"), (12, "identified")])
+@pytest.mark.parametrize(("readings", "kind"), variants([(3, "undecided"), (12, "identified")], {3}))
 @pytest.mark.usefixtures("blank_figures")
 def test_the_verdict_of_an_exact_line_is_the_same_everywhere(
     client: gs.Client, tmp_path: Path, capsys: pytest.CaptureFixture[str], readings: int, kind: str

@@ -25,7 +25,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.tables import deliveries
-from tests.workers.conftest import ON_SQLITE, MakeWorker
+from tests.workers.conftest import ON_SQLITE, ON_SQLITE_FIRST, MakeWorker
 from tests.workers.notices.conftest import Receiver
 from tests.workers.problems import line
 
@@ -52,6 +52,7 @@ def run(worker: Worker, service: JobService, **changes: Any) -> Job:
     return service.get(job.id)
 
 
+@ON_SQLITE_FIRST
 def test_a_finished_job_is_told_with_its_result(
     hooks: Hooks, receiver: Receiver, service: JobService, make_worker: MakeWorker, make_notifier: MakeNotifier
 ) -> None:
