@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["factor_in", "is_heave", "quantities_of"]
+__all__ = ["factor_in", "is_column_of_factors", "is_heave", "quantities_of"]
 
 _HEAVE = (
     r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
@@ -19,6 +19,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
         r"|^test( ?(id|no\.?|nr\.?|number|name))?$",
         ("specimen",),
     ),
+    (r"(?<![a-z])rate\b|(strain|dehnungs|verformungs|setzungs|verschiebungs)rate\b|geschwindigkeit|velocity|speed", ()),
     (r"uhrzeit|time of day|\bclock", ("clock",)),
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
@@ -122,3 +123,19 @@ def factor_in(line: str) -> str | None:
     found = _SCALED_LINE.search(line)
     factor = None if found is None else next(filter(None, found.groups()))
     return None if factor is None or re.fullmatch(r"0*1(?:[.,]0*)?", factor) else factor
+
+
+_COLUMN_OF_FACTORS = re.compile(
+    r"(?:(?:umrechnungs|skalierungs|mess(?:wert)?|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling|conversion"
+    r"|calibration)[ -]?)?(?:fa[ck]tor(?:s|en)?|multiplikator|multiplier|skalierung|scale)(?![^\W\d_])(?! of safety)",
+    re.IGNORECASE,
+)
+
+
+def is_column_of_factors(label: str) -> bool:
+    """Whether a heading is that of factors of other columns: of the quantity that it names, or of all.
+
+    >>> is_column_of_factors("Umrechnungsfaktor Setzung"), is_column_of_factors("safety factor")
+    (True, False)
+    """
+    return _COLUMN_OF_FACTORS.match(label.strip()) is not None

@@ -17,6 +17,7 @@ __all__ = [
     "SEPARATORS",
     "WIDE_BLANKS",
     "TableError",
+    "UnnamedColumnsError",
     "cell_number",
     "decoded",
     "refuse_surplus",
@@ -59,6 +60,10 @@ class TableError(Exception):
     def issues(self, path: str = "", within: str = "") -> list[Issue]:
         """The mistakes at a path of the problem; keys are those ``within`` a part of it."""
         return [Issue.about(path, sentence, within) for sentence in self.sentences]
+
+
+class UnnamedColumnsError(TableError):
+    """Nobody says which columns are those of x and y, and none is called so."""
 
 
 def decoded(content: bytes) -> str:
