@@ -37,6 +37,7 @@ _ALTERED = re.compile(
 )
 """What makes numbers another quantity than the unit beside it says: ``√t [min]``, ``q x 10 [kPa]``; \\0 is the unit."""
 _ONLY_SCALED = re.compile(rf"(?:{_SCALED})[^\s\0\[\](){{}}<>]*", re.IGNORECASE)
+_SCALED_OR_SUM = re.compile(rf"{_ONLY_SCALED.pattern}|{SUMS}", re.IGNORECASE)
 _SYMBOL = r"[∆Δδ]?[^\W\d_]{1,5}(?:_\w{1,4}|[\d₀-₉]{1,2})?['’′]?"
 _MULTIPLE = re.compile(rf"(?:=\s*|^)(?:\d{{1,6}}(?:[.,]\d+)?|\d/\d)(?:\s?({_SYMBOL})|\([^()]*[-+−–][^()]*\))$")
 """All of a heading: ``10q``, ``0.5 s``, ``1/2 q``, ``0.5(s1-s3)``."""
@@ -74,7 +75,7 @@ def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bo
     """
     rest = _MEAN.sub("", rest)
     sized = bool(bases - {None, "dimensionless"})
-    if (altered := (_ALTERED if bases else _ONLY_SCALED).search(rest)) is not None:
+    if (altered := (_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
         return _kind(altered), altered[0].strip(" \0[]()")
     name = " ".join(re.sub(r"[\[({<|]?\0[\])}>|]?|\[.*?\]", " ", rest).split()).rstrip(",;:/")
     if (multiple := _MULTIPLE.search(name)) is not None and not is_word(multiple[1] or ""):

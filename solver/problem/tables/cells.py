@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
-from geoswarm.solver.problem.tables.headings import Heading, Named, known_unit, number_with_unit
+from geoswarm.solver.problem.tables.headings import Heading, Named, guess_unit, known_unit, number_with_unit
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, quantities_of
 from geoswarm.solver.problem.tables.reading import (
@@ -41,6 +41,7 @@ _SOME_ROWS = 3
 _TITLES = 10
 _LONGEST_LINE = 200
 _FIRST_FACTORS = 20
+_UNIT_AT_END = re.compile(r"\s*(?:[µmc]m|m|[kM]Pa|inch|in|%)\s*\W?$")
 
 __all__ = [
     "Area",
@@ -341,7 +342,18 @@ def factors_beside(
         if line not in used and not sheet.header_line <= line < first
     ]
     named = [(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
+    named += [
+        (f"line {line}: {text}", frozenset[str]())
+        for line, row in sheet.grid.items()
+        if line > first and line not in used and (text := _values_in_parts(row)) is not None
+    ]
     return named + _factor_columns(sheet.header, body)
+
+
+def _values_in_parts(row: Sequence[Cell]) -> str | None:
+    """The text of a note below a table such as ``Werte in 1/100 mm``, which contradicts a heading in mm; else None."""
+    text = " ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE]
+    return text if factor_in(_UNIT_AT_END.sub("", text)) and _UNIT_AT_END.search(text) else None
 
 
 def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> list[tuple[str, frozenset[str]]]:
@@ -359,8 +371,8 @@ def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> li
 
 def with_factors(heading: Heading, lines: Iterable[tuple[str, frozenset[str]]]) -> Heading:
     """A heading with the factors that lines name for its quantity, or for none. Times have no factor."""
-    meant = frozenset(quantities_of(heading.name))
-    if heading.dates or "time" in meant:
+    meant = frozenset(quantities_of(guess_unit(heading.name)[0]))
+    if heading.dates or "time" in meant or any(one.base == "day" for one in heading.named):
         return heading
     further = [
         Named(None, None, True, line, heading.name, alters="factor")

@@ -43,7 +43,7 @@ _BRACKETS = re.compile(r"\[[^\[\](){}<>]{0,40}\]|\([^\[\](){}<>]{0,40}\)|\{[^\[\
 _GLUED = re.compile(r"(?:(?<=[^\W\d_])|(?<=[^\W\d_]\d))(?=[%‰](?:\s|$))|(?<=^[%‰])(?=[^\W\d_])")  # "eps1%", "%strain"
 _IN = re.compile(r"(?:^|\s)(?:in|unit:?|einheit:?)\s+(?=\S)", re.IGNORECASE)
 _BEHIND = re.compile(r"(?<=.)\s*[/,_:;|=]\s*(?=[^\s,]{1,20}(?:\s[^\s,/]{1,20})?$)|\s[-–]\s(?=\S{1,20}$)")
-_VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+-].{0,19})")
+_VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+*×·/-].{0,19})")
 _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of a word only: linear in the text
 _LISTED = re.compile(r"[,;]\s+")
 _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)

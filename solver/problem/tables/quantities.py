@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from geoswarm.solver.problem.tables.unit_words import PARTS
+
 __all__ = ["factor_in", "is_column_of_factors", "is_heave", "quantities_of"]
 
 _HEAVE = (
@@ -11,6 +13,8 @@ _HEAVE = (
     r"|hebung|verformung|ma(?:ß|ss))|schwell(?:ung|dehnung|hebung)"
     r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index)))"
     r"(?![^\W\d_])(?!\s*\(?[=:]?\s*(?:[-−–]\s*(?:\)|$)|neg))"  # "Setzung, Hebung (-)" is a settlement
+    r"|(?:[-−–]|negativ\w*) ?=? ?(?:nach unten|down)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
+    r"|(?:\+|positiv\w*) ?=? ?(?:nach oben|up)|(?:nach oben|up(?:wards?)?) ?=? ?(?:pos|\+)"
 )
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
@@ -108,14 +112,16 @@ _SCALED_LINE = re.compile(
     r"|(?<![^\W\d_])(?:skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
     rf"\D{{0,40}}?({_FACTOR})(?![\d.,])"
     rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"
-    rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+in\s+(1\s?/\s?10+|0?[.,]0*1)\s*\W?$",
+    rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+(?:in\s+(1\s?/\s?10+|0?[.,]0*1|{PARTS})\s*\W?$"
+    rf"|(?:sind |are )?(?:[×*·/]|(?:x|mal|times|durch)(?![^\W\d_]))\s*({_FACTOR}))"
+    rf"|^\W*1\s*(?:div|digit|count|tick|sk(?:t|alen)|(?:teil)?strich)[^\W\d_]*\.?\s*[=≙:]\s*({_FACTOR})\s*[^\W\d]",
     re.IGNORECASE,
 )
 """A line that scales the numbers of a table: ``Faktor: 0,01``, ``multiply by 0.01``, ``Werte x 0,01``."""
 
 
 def factor_in(line: str) -> str | None:
-    """The factor that a line outside a table names; None for none, and for 1.
+    """The factor that a line outside a table names; None for none, and for 1. ``1 div = 0.01 mm`` names one, too.
 
     >>> factor_in("Skalierung (Setzung): 1/100"), factor_in("scale factor 1.0")
     ('1/100', None)
@@ -127,7 +133,8 @@ def factor_in(line: str) -> str | None:
 
 _COLUMN_OF_FACTORS = re.compile(
     r"(?:(?:umrechnungs|skalierungs|mess(?:wert)?|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling|conversion"
-    r"|calibration)[ -]?)?(?:fa[ck]tor(?:s|en)?|multiplikator|multiplier|skalierung|scale)(?![^\W\d_])(?! of safety)",
+    r"|calibration)[ -]?)?(?:fa[ck]tor(?:s|en)?|multiplikator|multiplier|skalierung|scale"
+    r"|ma(?:ß|ss)stab|exponent|zehnerpotenz|power of (?:ten|10)|10\s*(?:\^|\*\*))(?![^\W\d_])(?! of safety)",
     re.IGNORECASE,
 )
 

@@ -44,8 +44,9 @@ SEPARATORS = (";", "\t", ",", WIDE_BLANKS, BLANKS)
 _WIDE = re.compile(r"\s*\t\s*|\s{2,}")
 _BRACKET = re.compile(r"\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\}")
 _NAMED = re.compile(r"(?<=\S)\s+(?=(?:\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\})(?:\s|$))")
+_EXPONENT_OF_FORTRAN = str.maketrans("dD", "ee")
 _MOST_DIGITS = 1100  # a float written out in full has 1075 at most
-_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+|[dD][+-]?\d{2,3})?", re.ASCII)
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
@@ -234,7 +235,7 @@ def cell_number(cell: str) -> float | None:
         return None
     cell = cell.replace("\u2212", "-").replace("\u2013", "-")  # a minus as word processors write it
     if _NUMBER.fullmatch(cell):
-        value = float(cell)
+        value = float(cell.translate(_EXPONENT_OF_FORTRAN))
     elif _NUMBER_WITH_COMMA.fullmatch(cell):
         # Only possible beside another delimiter, or in quotes.
         value = float(cell.replace(",", "."))
