@@ -11,7 +11,15 @@ from pathlib import Path
 from typing import TypeAlias
 
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
-from geoswarm.solver.problem.tables.headings import Heading, Named, guess_unit, known_unit, number_with_unit
+from geoswarm.solver.problem.tables.headings import (
+    Heading,
+    Named,
+    best_unit,
+    guess_unit,
+    known_unit,
+    number_with_unit,
+    units_of,
+)
 from geoswarm.solver.problem.tables.packed import Cell
 from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, quantities_of
 from geoswarm.solver.problem.tables.reading import (
@@ -41,10 +49,12 @@ _SOME_ROWS = 3
 _TITLES = 10
 _LONGEST_LINE = 200
 _FIRST_FACTORS = 20
+_BEFORE_UNIT = re.compile(r"(?<!\w)in\s|[\[(]", re.IGNORECASE)
 _UNIT_AT_END = re.compile(r"\s*(?:[µmc]m|m|[kM]Pa|inch|in|%)\s*\W?$")
 
 __all__ = [
     "Area",
+    "Beside",
     "Sheet",
     "factors_beside",
     "file_content",
@@ -53,6 +63,16 @@ __all__ = [
     "with_factors",
     "without_units",
 ]
+
+
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """A line or column that names a factor, or a ``unit``, of quantities; of all where ``of`` is empty."""
+
+    text: str
+    of: frozenset[str]
+    unit: Named | None = None
+
 
 Area: TypeAlias = tuple[int, int, int, int | None]
 """Cells: places of the first and the last column from 0, lines of the first and the last row, None to the end."""
@@ -327,10 +347,8 @@ def number_in(cell: Cell) -> float | None:
     return cell_number(cell)
 
 
-def factors_beside(
-    sheet: Sheet, used: Container[int], body: Iterable[Sequence[Cell]]
-) -> list[tuple[str, frozenset[str]]]:
-    """Columns of factors, and lines outside the table, comments too, that name one, with the quantities they name.
+def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[Cell]]) -> list[Beside]:
+    """Columns of factors, and lines outside the table, comments too, that name one, or the unit of a quantity.
 
     ``used`` are the lines of the readings, ``body`` is their rows.
     """
@@ -341,22 +359,21 @@ def factors_beside(
         for line, row in sheet.grid.items()
         if line not in used and not sheet.header_line <= line < first
     ]
-    named = [(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
-    named += [
-        (f"line {line}: {text}", frozenset[str]())
-        for line, row in sheet.grid.items()
-        if line > first and line not in used and (text := _values_in_parts(row)) is not None
-    ]
+    named = [Beside(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
+    notes = [text for where, text in lines if where == "comment"]
+    for line, row in sheet.grid.items():
+        if line > first and line not in used:
+            notes.append(" ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE])
+            if (text := notes[-1]) and _UNIT_AT_END.search(text) and factor_in(_UNIT_AT_END.sub("", text)):
+                named.append(Beside(f"line {line}: {text}", frozenset()))
+    for text in filter(_BEFORE_UNIT.search, notes):
+        unit = best_unit(one for one in units_of(text) if one.certain)
+        if unit is not None and (of := frozenset(quantities_of(unit.label))):
+            named.append(Beside(text, of, unit))
     return named + _factor_columns(sheet.header, body)
 
 
-def _values_in_parts(row: Sequence[Cell]) -> str | None:
-    """The text of a note below a table such as ``Werte in 1/100 mm``, which contradicts a heading in mm; else None."""
-    text = " ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE]
-    return text if factor_in(_UNIT_AT_END.sub("", text)) and _UNIT_AT_END.search(text) else None
-
-
-def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> list[tuple[str, frozenset[str]]]:
+def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> list[Beside]:
     """Columns of factors other than 1, with their first values, and the quantities that they name."""
     places = [place for place, name in enumerate(header) if is_column_of_factors(name)]
     found = []
@@ -365,18 +382,19 @@ def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> li
         values = [value for row in rows if place < len(row) and (value := number_in(row[place])) is not None]
         if any(value != 1.0 for value in values):
             first = ", ".join(f"{value:g}" for value in dict.fromkeys(values[:_FIRST_FACTORS]))
-            found.append((f"column {header[place]}: {first}", frozenset(quantities_of(header[place]))))
+            found.append(Beside(f"column {header[place]}: {first}", frozenset(quantities_of(header[place]))))
     return found
 
 
-def with_factors(heading: Heading, lines: Iterable[tuple[str, frozenset[str]]]) -> Heading:
-    """A heading with the factors that lines name for its quantity, or for none. Times have no factor."""
+def with_factors(heading: Heading, lines: Iterable[Beside]) -> Heading:
+    """A heading with the factors and units that lines name for its quantity; factors for none are not of times."""
     meant = frozenset(quantities_of(guess_unit(heading.name)[0]))
-    if heading.dates or "time" in meant or any(one.base == "day" for one in heading.named):
+    if heading.dates or heading.in_cells:
         return heading
+    time = "time" in meant or any(one.base == "day" for one in heading.named)
     further = [
-        Named(None, None, True, line, heading.name, alters="factor")
-        for line, of in lines
-        if not of or not meant or of & meant
+        one.unit or Named(None, None, True, one.text, heading.name, alters="factor")
+        for one in lines
+        if one.of & meant or not (time or one.unit or (one.of and meant))
     ]
     return replace(heading, named=(*heading.named, *further))

@@ -8,6 +8,7 @@ from typing import Literal
 
 from geoswarm.solver.problem.tables.blocks import begin, key
 from geoswarm.solver.problem.tables.cells import (
+    Beside,
     Sheet,
     factors_beside,
     number_in,
@@ -211,7 +212,7 @@ def _column(
     body: Sequence[Sequence[Cell]],
     commented: Mapping[str, str],
     units: Sequence[str],
-    factors: Sequence[tuple[str, frozenset[str]]],
+    factors: Sequence[Beside],
 ) -> Column:
     label = guess_unit(heading)[0]
     since = elapsed_days(cells, heading)

@@ -13,8 +13,8 @@ _HEAVE = (
     r"|hebung|verformung|ma(?:ß|ss))|schwell(?:ung|dehnung|hebung)"
     r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index)))"
     r"(?![^\W\d_])(?!\s*\(?[=:]?\s*(?:[-−–]\s*(?:\)|$)|neg))"  # "Setzung, Hebung (-)" is a settlement
-    r"|(?:[-−–]|negativ\w*) ?=? ?(?:nach unten|down)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
-    r"|(?:\+|positiv\w*) ?=? ?(?:nach oben|up)|(?:nach oben|up(?:wards?)?) ?=? ?(?:pos|\+)"
+    r"|(?:[-−–]|neg\w*) ?=? ?(?:nach unten|down)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
+    r"|(?:\+|pos\w*) ?=? ?(?:nach oben|up)|(?:nach oben|up(?:wards?)?) ?=? ?(?:pos|\+)"
 )
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
@@ -31,7 +31,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
     (r"überdruck|ueberdruck|excess pore|excess pwp", ("excess_pore_pressure", "pore_pressure")),
     (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
-    (r"zeit\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$", ("time",)),
+    (r"zeit(en)?\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$", ("time",)),
     (r"porenzahl|void[ _-]ratio|^e$", ("void_ratio", "e")),
     (r"stress[ _-]ratio|spannungsverhältnis|^q ?/ ?p|^η$", ("stress_ratio",)),
     (
@@ -114,6 +114,7 @@ _SCALED_LINE = re.compile(
     rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"
     rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+(?:in\s+(1\s?/\s?10+|0?[.,]0*1|{PARTS})\s*\W?$"
     rf"|(?:sind |are )?(?:[×*·/]|(?:x|mal|times|durch)(?![^\W\d_]))\s*({_FACTOR}))"
+    rf"|^\W*(?:kalibrier|eich|calibration)[^\W\d]*\W+({_FACTOR})\s*$"
     rf"|^\W*1\s*(?:div|digit|count|tick|sk(?:t|alen)|(?:teil)?strich)[^\W\d_]*\.?\s*[=≙:]\s*({_FACTOR})\s*[^\W\d]",
     re.IGNORECASE,
 )
@@ -127,8 +128,12 @@ def factor_in(line: str) -> str | None:
     ('1/100', None)
     """
     found = _SCALED_LINE.search(line)
-    factor = None if found is None else next(filter(None, found.groups()))
-    return None if factor is None or re.fullmatch(r"0*1(?:[.,]0*)?", factor) else factor
+    if found is None:
+        return None
+    rest = line[found.end() :]
+    more = re.findall(_FACTOR, rest) if re.fullmatch(r"[\s\d.,;eE+-]*", rest) else []  # a factor for each channel
+    factors = [next(filter(None, found.groups())), *more]
+    return next((one for one in factors if re.fullmatch(r"0*1(?:[.,]0*)?", one) is None), None)
 
 
 _COLUMN_OF_FACTORS = re.compile(

@@ -84,3 +84,33 @@ def test_a_unit_among_words_in_brackets(heading: str, base: str, unit: str | Non
 @pytest.mark.parametrize("heading", ["Axial strain rate [%/min]", "Setzungsgeschwindigkeit", "AxialStrainRate_pct_min"])
 def test_a_rate_is_no_strain_and_no_settlement(heading: str) -> None:
     assert quantities_of(heading) == ()
+
+
+@pytest.mark.parametrize(
+    ("note", "unit"),
+    [("Setzungen in 1/100 mm", "0.01 mm"), ("Setzung [1/100 mm]", "0.01 mm"), ("settlement in cm", "cm")],
+)
+def test_a_note_that_names_another_unit_of_the_quantity_is_asked_for(note: str, unit: str) -> None:
+    """Notes below the table and comments were passed over."""
+    table = f"Zeit [min];Setzung [mm]\n{NUMBERS}"
+    for content in (f"{table}{note}\n", f"# {note}\n{table}"):
+        assert f"names several units, mm and {unit}" in metres(content), content
+        assert metres(content.replace("Setzung [mm]", f"Setzung [{unit}]"))[0] in (1e-5, 0.01)
+
+
+@pytest.mark.parametrize("note", ["Setzung der Probe in 5 m Tiefe", "Setzungsgeschwindigkeit in mm/min", "Last in kPa"])
+def test_a_note_on_something_else_is_passed_over(note: str) -> None:
+    assert metres(f"# {note}\nZeit [min];Setzung [mm]\n{NUMBERS}{note}\n") == [0.001, 0.002, 0.003]
+
+
+@pytest.mark.parametrize("note", ["Zeiten in 1/10 s", "Faktor Zeit: 60", "Zeit in Std"])
+def test_notes_on_the_time_count_for_the_time(note: str) -> None:
+    found = table_of(f"Zeit [s];Setzung [mm]\n{NUMBERS}{note}\n".encode(), "a", Columns(x="A:A", y="B:B"))
+    assert unit_of_data("x", None, "day", found.x_heading, unitless=False)[0] is None
+    assert unit_of_data("y", None, "m", found.y_heading, unitless=False) == ("mm", None)
+
+
+def test_factors_of_several_channels_and_of_a_calibration() -> None:
+    assert "has a factor" in metres(f"Kanal;1;2\nFaktor;1,0;0,01\nZeit [min];Setzung [mm]\n{NUMBERS}")
+    assert "has a factor" in metres(f"Kalibrierung: 0,01\nZeit [min];Setzung [mm]\n{NUMBERS}")
+    assert metres(f"Faktor 1,0 bei 20 °C\nZeit [min];Setzung [mm]\n{NUMBERS}") == [0.001, 0.002, 0.003]
