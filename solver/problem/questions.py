@@ -65,6 +65,9 @@ def columns_question(section: ObservationSection, content: bytes, name: str, spe
             units = ", and in what unit"
         lines += _in_doubt(column, axis)
     lines += _specimen(found)
+    if section.sheet is None and found.sheet is not None and found.alike:
+        others = ", ".join(one for one in found.alike if one != found.sheet)
+        lines += ["\n    ", _line("sheet", found.sheet), f"  # or {others}"]
     what = listed([axis if quantities[axis] in ("", axis) else f"{axis} ({quantities[axis]})" for axis, _ in asked])
     columns = [f"{_reference(found, one)} ({_values(one)})" for one in found.columns[:_MOST_SHOWN]]
     more = len(found.columns) - _MOST_SHOWN

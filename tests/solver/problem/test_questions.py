@@ -105,3 +105,9 @@ def test_files_of_pest_are_named(content: bytes, kind: str) -> None:
 
 def test_a_heading_may_begin_as_a_file_of_pest() -> None:
     assert [one.name for one in read_measurements(b"pcf,q\n1,2\n3,4\n", "a.csv").columns] == ["pcf", "q"]
+
+
+def test_one_of_several_sheets_alike_belongs_to_the_question(tmp_path: Path) -> None:
+    rows = sheet_rows(("eps [%]", "q [kPa]"), (0.1, 10), (1, 40))
+    keys, y = answered(tmp_path, "a.xlsx", workbook(("1", rows), ("2", rows)))
+    assert (keys["sheet"], y) == ("1", [10, 40])
