@@ -17,6 +17,8 @@
 ``points``               measured points of an observation's section, inside the problem or in a file, prepared as the
                          section says
 ``problem``              a checked problem, ready to be calibrated
+``questions``            the questions that a file leaves open: its columns and their units, with an answer to copy; the
+                         sign of a heave
 ``readings``             what becomes of the readings of an observation: blocks joined, processed, and which of them
                          take part
 ``running``              the sections of a problem file on running its evaluations: limits, and what happens when one

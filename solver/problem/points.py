@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.questions import columns_question, sign_question
 from geoswarm.solver.problem.readings.joined import BlockError, BlockSection, joined
 from geoswarm.solver.problem.readings.preparation import Preparation, PreparationError, Readings, prepared
 from geoswarm.solver.problem.readings.units import UNSTATED
@@ -27,10 +27,9 @@ from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
-from geoswarm.solver.problem.tables.quantities import is_heave
-from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.tables.reading import TableError, UnnamedColumnsError
 from geoswarm.solver.problem.text.reading import read_document
-from geoswarm.solver.sentences import Key, Sentence, relative, setting
+from geoswarm.solver.sentences import Key, relative
 from geoswarm.solver.units import UnitError, convert
 
 __all__ = [
@@ -42,8 +41,6 @@ __all__ = [
     "read_points",
     "units_found",
 ]
-
-_DOWNWARDS = re.compile(r"settle|(?<!radial_)(?:displacement|strain)|setzung|verschiebung|verformung|dehnung")
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,7 +209,7 @@ def points_of_file(
     table, done, issues = _table(section, path, content, name, spec)
     if table is None:
         return None, issues
-    if (sign := _sign_issue(section, table.y_heading)) is not None:
+    if (sign := sign_question(section, table.y_heading)) is not None:
         return None, [Issue.about(f"{path}.y_column", sign, f"{path}.")]
     table, wrong = by_stage(table, section.series, section.x_unit, spec)
     if wrong is not None:
@@ -232,16 +229,6 @@ def points_of_file(
     return (points, issues) if issues else _prepared(points, section, path, spec)
 
 
-def _sign_issue(section: ObservationSection, heading: Heading) -> Sentence | None:
-    """Whether a heave is read as a settlement or a strain, which has the other sign, without a word of the user."""
-    if "y_factor" in section.model_fields_set or not is_heave(heading.name):
-        return None
-    if _DOWNWARDS.search(section.series) is None:
-        return None
-    told = f"column '{heading.name}' is a heave, which {section.series} has with the other sign; give "
-    return told, setting("y_factor", "-1"), ", or 1 where the numbers of the column have the sign of the series"
-
-
 def _table(
     section: ObservationSection, path: str, content: bytes, name: str, spec: ForwardModelSpec | None
 ) -> tuple[Table | None, list[str], list[Issue]]:
@@ -255,7 +242,10 @@ def _table(
         alike = parts.count(part)
         turn = (parts[:place].count(part), alike) if alike > 1 and part.where else None
         try:
-            tables.append(table_of(content, name, replace(part, turn=turn), read))
+            tables.append(_settled(table_of(content, name, replace(part, turn=turn), read), section))
+        except UnnamedColumnsError as error:
+            asked = columns_question(section, content, name, spec)
+            return None, [], [Issue.about(at, asked, f"{path}.")] if asked else error.issues(at, f"{path}.")
         except TableError as error:
             return None, [], error.issues(at, f"{path}.")
     if section.blocks is None:
@@ -266,6 +256,13 @@ def _table(
     except BlockError as error:
         return None, [], [Issue.about(f"{path}.blocks[{error.place}].{error.key}", error.sentence, f"{path}.")]
     return table, [f"{name}: {done}"], []
+
+
+def _settled(table: Table, section: ObservationSection) -> Table:
+    """The table without the factors of its headings about which the section says how to multiply."""
+    axes = [axis for axis in ("x", "y") if f"{axis}_factor" in section.model_fields_set]
+    headings = {f"{axis}_heading": getattr(table, f"{axis}_heading").without_factors() for axis in axes}
+    return replace(table, **headings)
 
 
 def _of_block(section: ObservationSection, block: BlockSection | None) -> ObservationSection:

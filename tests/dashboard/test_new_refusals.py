@@ -49,3 +49,31 @@ def test_a_force_is_no_stress(embedded: Site, visit: Visit) -> None:
     mapping.get_by_label("Column of y", exact=True).select_option(label="Force [N]")
     asked = "“Force [N]” is in N, a force; for a stress in kPa the factor is 0.001 / A with the area A in m2"
     expect(mapping.locator(".todo")).to_contain_text(asked)
+
+
+def test_a_control_file_of_pest_is_named(embedded: Site, visit: Visit) -> None:
+    """It was "a table without numbers"."""
+    page, guard = visit(embedded, "/new?example=oedometer")
+    guard.allow("422")
+    expect(page.locator("#verdict")).not_to_be_empty()
+    control = b"pcf\n* control data\nrestart estimation\n2 3 1 0 1\n"
+    page.locator("#file").set_input_files({"name": "clay.pst", "mimeType": "", "buffer": control})
+    said = "clay.pst is a control file of PEST; geoswarm import pest clay.pst --output DIR makes a problem of it"
+    expect(page.get_by_text(said)).to_be_visible()
+
+
+def test_a_heave_is_not_preselected_as_a_settlement(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(page, "Zeit [min];Hebung [mm]\n1;0,25\n2;0,5\n4;0,75\n")
+    mapping.get_by_label("Series").select_option(label="settlement: replaces 226 readings")
+    expect(mapping.get_by_label("Column of y", exact=True).locator("option:checked")).to_have_text("choose …")
+
+
+def test_numbers_of_stages_that_come_again_are_no_x(embedded: Site, visit: Visit) -> None:
+    """An axial stress over the number of the stage was proposed where the deviator stood beside it."""
+    page, _ = visit(embedded, "/new?example=triaxial")
+    rows = "".join(f"9,{strain},{100 + 20 * strain},{20 * strain}\n" for strain in range(1, 5))
+    mapping = drop(page, f"StageNumber,AxialStrain_pct,AxialStress_kPa,q_kPa\n{rows}")
+    expect(mapping.get_by_label("Series").locator("option:checked")).to_contain_text("cell_50.q: ")
+    expect(mapping.get_by_label("Column of y", exact=True).locator("option:checked")).to_have_text("q_kPa")
+    expect(mapping.get_by_label("Column of x", exact=True).locator("option:checked")).to_have_text("AxialStrain_pct")

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from geoswarm.solver.problem.issues import number
+from geoswarm.solver.problem.tables.alterations import Alteration
 from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
 from geoswarm.solver.problem.tables.picking import is_cells
 from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.units import UnitError, convert, same_unit
 
-__all__ = ["UNSTATED", "unit_of_data"]
+__all__ = ["UNSTATED", "USUAL", "unit_of_data"]
 
 UNSTATED = "unstated"
 """Instead of a unit, where readings come from a file that names none: right for numbers without dimension only."""
-_USUAL = {"m": "mm, cm or m", "day": "s, min, h or day", "kPa": "kPa, MPa or kg/cm2", "degree": "degree or rad"}
+USUAL = {"m": "mm, cm or m", "day": "s, min, h or day", "kPa": "kPa, MPa or kg/cm2", "degree": "degree or rad"}
 """Units that laboratories write, as examples."""
 
 
@@ -26,7 +27,7 @@ def unit_of_data(
     """
     pure = same_unit(base, "1") and not needed
     key = setting(f"{axis}_unit")
-    usual = setting(f"{axis}_unit", _USUAL.get(base, base or "'%' or dimensionless"))
+    usual = setting(f"{axis}_unit", USUAL.get(base, base or "'%' or dimensionless"))
     if given == UNSTATED:
         return None, None if pure else ("the file names no known unit; give ", usual)
     if heading is None:
@@ -40,13 +41,18 @@ def unit_of_data(
         return given, None
     possible = [one for one in heading.named if one.unit is None or _factor(one.unit, base) is not None]
     unclear, best = unclear_unit(possible), best_unit(possible)
+    altered = next((one.alters for one in possible if one.alters is not None), None)
     if best is not None and unclear is None:
         return best.unit, None
     if best is not None:
-        product = (", ", setting(f"{axis}_factor"), " multiplies") if any(one.alters for one in possible) else ()
-        return None, (f"{column} {unclear}; ", key, " says which holds", *product)
+        return None, (
+            f"{column} {unclear}",
+            *_remedy(axis, altered, (base or "dimensionless") if altered == "share" else best.unit or base),
+        )
     if unitless and same_unit(base, "1"):
         return None, None
+    if altered == "share":
+        return None, (f"{column} {unclear}", *_remedy(axis, altered, base or "dimensionless"))
     other = f"but the series {'has' if axis == 'y' else 'needs'} {base}; name another"
     if heading.certain and heading.unit is not None:
         if divided := _divided(axis, heading.unit, base):
@@ -63,6 +69,24 @@ def unit_of_data(
         return None, (f"{column} ({shown}, ...) may be in {heading.unit}, {other} column, or give ", usual)
     brackets = "" if is_cells(heading.name) else ", or write it in brackets behind the name in the file"
     return None, (f"{column} ({shown}, ...) has no unit; give ", usual, *([brackets] if brackets else []))
+
+
+def _remedy(axis: str, altered: Alteration | None, unit: str) -> Sentence:
+    """What to do about numbers that are not in the unit beside them; each of the ways is enough."""
+    key, factor = setting(f"{axis}_unit"), setting(f"{axis}_factor")
+    match altered:
+        case None:
+            return "; ", key, " says which holds"
+        case "factor":
+            return "; give ", factor, ", which multiplies, or ", key, ", which says what the numbers are in"
+        case "absolute":
+            column = (" (", setting("y_minus"), " takes a column of it)") if axis == "y" else ()
+            return "; subtract that of the atmosphere", *column, " and give ", setting(key.path, unit)
+        case "share":
+            both = setting(key.path, unit), " and ", setting(factor.path, "full scale / 100")
+            return "; give the unit of the gauge and its range, such as ", *both
+        case _:
+            return "; give the quantity itself, or ", key, ", which says what the numbers are in"
 
 
 def _divided(axis: str, unit: str, base: str) -> Sentence:

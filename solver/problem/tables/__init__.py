@@ -1,6 +1,8 @@
 """Measurements from tables: CSV, workbooks, pasted cells.
 
 ================  ======================================================================================================
+``alterations``   what makes the numbers of a column another quantity than the unit beside it says: factors, sums,
+                  functions
 ``blocks``        where a table begins in the rows of a file: below titles and preambles, with its headings and their
                   units
 ``cells``         the cells of a file of measurements, CSV, XLSX or ODS: what problem files, the command line and the

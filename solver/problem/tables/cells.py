@@ -11,9 +11,17 @@ from pathlib import Path
 from typing import TypeAlias
 
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
-from geoswarm.solver.problem.tables.headings import Heading, Named, known_unit, number_with_unit
+from geoswarm.solver.problem.tables.headings import (
+    Heading,
+    Named,
+    best_unit,
+    guess_unit,
+    known_unit,
+    number_with_unit,
+    units_of,
+)
 from geoswarm.solver.problem.tables.packed import Cell
-from geoswarm.solver.problem.tables.quantities import factor_in, quantities_of
+from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, quantities_of
 from geoswarm.solver.problem.tables.reading import (
     BLANKS,
     MAX_TABLE_BYTES,
@@ -35,21 +43,36 @@ _SUMMARY = re.compile(
     r"|std\.?(?:abw| ?dev)\.?|standard(?:abweichung| deviation)|anzahl|count)\s*\.?\s*:?",
     re.IGNORECASE,
 )
+_PEST = re.compile(r"\s*(?:(pcf)(?:\s+version\b.*)?|(?:pif|[pj]tf)\s+[^\w\s])\s*$", re.IGNORECASE | re.MULTILINE)
 _WORD = re.compile(r"[^\W\d_]{3}")
 _SOME_ROWS = 3
 _TITLES = 10
 _LONGEST_LINE = 200
+_FIRST_FACTORS = 20
+_BEFORE_UNIT = re.compile(r"(?<!\w)in\s|[\[(]", re.IGNORECASE)
+_UNIT_AT_END = re.compile(r"\s*(?:[µmc]m|m|[kM]Pa|inch|in|%)\s*\W?$")
 
 __all__ = [
     "Area",
+    "Beside",
     "Sheet",
-    "factor_lines",
+    "factors_beside",
     "file_content",
     "number_in",
     "read_cells",
     "with_factors",
     "without_units",
 ]
+
+
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """A line or column that names a factor, or a ``unit``, of quantities; of all where ``of`` is empty."""
+
+    text: str
+    of: frozenset[str]
+    unit: Named | None = None
+
 
 Area: TypeAlias = tuple[int, int, int, int | None]
 """Cells: places of the first and the last column from 0, lines of the first and the last row, None to the end."""
@@ -149,6 +172,10 @@ def read_cells(
     if text.lstrip().startswith('"GROUP"'):
         problem = Key("files", f"geoswarm import ags {name} makes a problem of it", "ags")
         raise TableError((f"{name} is an AGS file, which is not a table; ", problem))
+    if (kind := _PEST.match(text)) is not None:
+        case = name if kind[1] else "CASE.pst"
+        what = f"{name} is a {'control' if kind[1] else 'template or instruction'} file of PEST"
+        raise TableError(f"{what}; geoswarm import pest {case} --output DIR makes a problem of it and its files")
     if sheet is not None:
         raise TableError(f"{name} is not a workbook, so it has no sheet '{sheet}'")
     comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
@@ -320,10 +347,10 @@ def number_in(cell: Cell) -> float | None:
     return cell_number(cell)
 
 
-def factor_lines(sheet: Sheet, used: Container[int]) -> list[tuple[str, frozenset[str]]]:
-    """Lines outside the table, comments too, that name a factor, and the quantities that they name.
+def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[Cell]]) -> list[Beside]:
+    """Columns of factors, and lines outside the table, comments too, that name one, or the unit of a quantity.
 
-    ``used`` are the lines of the readings.
+    ``used`` are the lines of the readings, ``body`` is their rows.
     """
     first = sheet.rows[0][0] if sheet.rows else sheet.header_line + 1
     lines = [("comment", line.strip().lstrip("# \t")[:_LONGEST_LINE]) for line in sheet.comments.splitlines()]
@@ -332,17 +359,42 @@ def factor_lines(sheet: Sheet, used: Container[int]) -> list[tuple[str, frozense
         for line, row in sheet.grid.items()
         if line not in used and not sheet.header_line <= line < first
     ]
-    return [(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
+    named = [Beside(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
+    notes = [text for where, text in lines if where == "comment"]
+    for line, row in sheet.grid.items():
+        if line > first and line not in used:
+            notes.append(" ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE])
+            if (text := notes[-1]) and _UNIT_AT_END.search(text) and factor_in(_UNIT_AT_END.sub("", text)):
+                named.append(Beside(f"line {line}: {text}", frozenset()))
+    for text in filter(_BEFORE_UNIT.search, notes):
+        unit = best_unit(one for one in units_of(text) if one.certain)
+        if unit is not None and (of := frozenset(quantities_of(unit.label))):
+            named.append(Beside(text, of, unit))
+    return named + _factor_columns(sheet.header, body)
 
 
-def with_factors(heading: Heading, lines: Iterable[tuple[str, frozenset[str]]]) -> Heading:
-    """A heading with the factors that lines name for its quantity, or for none. Times have no factor."""
-    meant = frozenset(quantities_of(heading.name))
-    if heading.dates or "time" in meant:
+def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> list[Beside]:
+    """Columns of factors other than 1, with their first values, and the quantities that they name."""
+    places = [place for place, name in enumerate(header) if is_column_of_factors(name)]
+    found = []
+    rows = list(body) if places else []
+    for place in places:
+        values = [value for row in rows if place < len(row) and (value := number_in(row[place])) is not None]
+        if any(value != 1.0 for value in values):
+            first = ", ".join(f"{value:g}" for value in dict.fromkeys(values[:_FIRST_FACTORS]))
+            found.append(Beside(f"column {header[place]}: {first}", frozenset(quantities_of(header[place]))))
+    return found
+
+
+def with_factors(heading: Heading, lines: Iterable[Beside]) -> Heading:
+    """A heading with the factors and units that lines name for its quantity; factors for none are not of times."""
+    meant = frozenset(quantities_of(guess_unit(heading.name)[0]))
+    if heading.dates or heading.in_cells:
         return heading
+    time = "time" in meant or any(one.base == "day" for one in heading.named)
     further = [
-        Named(None, None, True, line, heading.name, alters=True)
-        for line, of in lines
-        if not of or not meant or of & meant
+        one.unit or Named(None, None, True, one.text, heading.name, alters="factor")
+        for one in lines
+        if one.of & meant or not (time or one.unit or (one.of and meant))
     ]
     return replace(heading, named=(*heading.named, *further))

@@ -9,7 +9,14 @@ from operator import itemgetter
 from typing import Literal, TypeVar
 
 from geoswarm.solver.problem.tables.blocks import is_heading, is_reading
-from geoswarm.solver.problem.tables.cells import Sheet, factor_lines, number_in, read_cells, with_factors, without_units
+from geoswarm.solver.problem.tables.cells import (
+    Sheet,
+    factors_beside,
+    number_in,
+    read_cells,
+    with_factors,
+    without_units,
+)
 from geoswarm.solver.problem.tables.dates import (
     DATES_ACCEPTED,
     ELAPSED,
@@ -32,6 +39,7 @@ from geoswarm.solver.problem.tables.picking import (
     column_of,
     is_cells,
     is_range,
+    refuse_other_unit,
     refuse_parts_of_time,
     rows_where,
     sheet_of_names,
@@ -171,7 +179,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
     else:
         values = {role: quick[1][:, one.place].tolist() for role, one in reader.columns.items()}
         found = Table(values["x"], values["y"], values.get("weight"), inputs=_of_inputs(values))
-    comments, factors = units_in_comments(sheet.comments), factor_lines(sheet, reader.used())
+    comments, factors = units_in_comments(sheet.comments), factors_beside(sheet, reader.used(), body)
     headings = {
         role: with_factors(
             heading_of(
@@ -187,7 +195,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
         if role in ("x", "y", "y_minus") or role.startswith("inputs.")
     }
     if "y_minus" in headings:
-        _same_units(name, headings["y"], headings["y_minus"])
+        refuse_other_unit(name, headings["y"], headings["y_minus"])
     return replace(
         found,
         x_heading=replace(headings["x"], first=tuple(found.x[:_FIRST])),
@@ -206,13 +214,6 @@ def _needs_cells(columns: Columns) -> bool:
         or columns.decimal
         or texts.keys() & {"y_minus", "x_time", "gross_error"}
     ) or any(is_range(text) for text in texts.values())
-
-
-def _same_units(name: str, y: Heading, other: Heading) -> None:
-    """Refuse to subtract columns of different units."""
-    if y.unit is not None and other.unit is not None and y.unit != other.unit and (y.certain or other.certain):
-        told = f", '{other.name}', in {other.unit}; give them one unit"
-        raise TableError((f"{name}: column '{y.name}' is in {y.unit} and ", setting("y_minus"), told))
 
 
 def _of_inputs(by_role: Mapping[str, T]) -> dict[str, T]:

@@ -7,8 +7,9 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from geoswarm.solver.problem.tables.alterations import ALTERED, Alteration, alteration_in, referred_apart
 from geoswarm.solver.problem.tables.quantities import quantities_of
-from geoswarm.solver.problem.tables.unit_words import ALIASES, ATOMS, CASE_MATTERS, PARTS, SUMS, in_signs
+from geoswarm.solver.problem.tables.unit_words import ALIASES, ATOMS, CASE_MATTERS, PARTS, in_signs
 from geoswarm.solver.units import UnitError, base_unit, convert
 
 __all__ = [
@@ -42,37 +43,14 @@ _BRACKETS = re.compile(r"\[[^\[\](){}<>]{0,40}\]|\([^\[\](){}<>]{0,40}\)|\{[^\[\
 _GLUED = re.compile(r"(?:(?<=[^\W\d_])|(?<=[^\W\d_]\d))(?=[%‰](?:\s|$))|(?<=^[%‰])(?=[^\W\d_])")  # "eps1%", "%strain"
 _IN = re.compile(r"(?:^|\s)(?:in|unit:?|einheit:?)\s+(?=\S)", re.IGNORECASE)
 _BEHIND = re.compile(r"(?<=.)\s*[/,_:;|=]\s*(?=[^\s,]{1,20}(?:\s[^\s,/]{1,20})?$)|\s[-–]\s(?=\S{1,20}$)")
-_VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+-].{0,19})")
+_VALUE = re.compile(r"([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+*×·/-].{0,19})")
 _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of a word only: linear in the text
+_LISTED = re.compile(r"[,;]\s+")
 _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)
 _SYMBOLS = frozenset("tglAVN")  # in round brackets a unit only where one of its dimension is needed: time, test A
 _STEP_BEFORE = re.compile(rf"(?:1/10+|0[.,]\d+|10\^?-\d|{PARTS})_", re.IGNORECASE)
 _SLASHES = str.maketrans({"⁄": "/", "∕": "/", "⅟": "1/"})
-_SCALED = (
-    r"[×*·÷]\s*\d|(?<![^\W\d_])x\s*(?:10|0[.,])|\d+\s*[×*·]|(?<![\d.,])10+\s*x|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
-    r"|(?<!\w)1e\d|(?<![^\W\d_])(?:\d[\d.,]*)?e[-+]\d|(?<![\w.,/])1\s?/\s?10+(?!\d)|(?<![\d.,])0?[.,]0*1(?![\d.,])|/[₀-₉]"
-    rf"|(?<!\w)(?:{PARTS})(?![^\W\d])|(?<![\d:])(?:10+\s?:\s?1|1\s?:\s?10+)(?![\d:])|(?<![\d/])\s*/\s*10+(?![\d/])|fa[ck]tor\s*[=:]?\s*\d|(?<!\w)[½⅓¼¾]"
-    r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
-)
-_ALTERED = re.compile(
-    rf"(?:{_SCALED}|{SUMS}|\0[\])]?\s?(?:of )?(?:full[ -]?scale|fs(?!\w))"
-    r"|[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln|exp)"
-    r"(?![^\W\d_])|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
-    re.IGNORECASE,
-)
-"""What makes numbers another quantity than the unit beside it says: ``√t [min]``, ``q x 10 [kPa]``; \\0 is the unit."""
-_ONLY_SCALED = re.compile(rf"(?:{_SCALED})[^\s\0\[\](){{}}<>]*", re.IGNORECASE)
-_SYMBOL = r"[∆Δδ]?[^\W\d_]{1,5}(?:_\w{1,4}|[\d₀-₉]{1,2})?['’′]?"
-_MULTIPLE = re.compile(rf"(?:=\s*|^)(?:\d{{1,6}}(?:[.,]\d+)?|\d/\d)(?:\s?({_SYMBOL})|\([^()]*[-+−–][^()]*\))$")
-"""All of a heading: ``10q``, ``0.5 s``, ``1/2 q``, ``0.5(s1-s3)``."""
-_MEAN = re.compile(r"\([^()\-−–]*\+[^()\-−–]*\)\s*/\s*[23](?!\d)")
-_QUOTIENT = re.compile(
-    rf"(?<![\w'’′∆Δδ])({_SYMBOL})\s*/\s*({_SYMBOL})(?![\w'’′])|(?:(?<![\w'’′∆Δδ]){_SYMBOL}|\))"
-    r"\s*/\s*\d+(?:[.,]\d+)?(?![\d/])"
-)
 _SYMBOL_OVER = re.compile(r"[a-ln-zA-Z]/(?=\w+$)")
-_NORMALISED = re.compile(r"(?<!\w)norm(?:ali[sz]ed|alisiert\w*|iert\w*)", re.IGNORECASE)
-_ABSOLUTE = re.compile(r"(?<!\w)abs(?:olute?[nrs]?)?(?!\w)", re.IGNORECASE)
 _VALUE_BEFORE = re.compile(
     r"(?:(?:^|[/=|:*·×(])x?\d+(?:[.,]\d+)?|hunderte?|tausende?|zehn|hundreds?|thousands?|ten)$", re.IGNORECASE
 )
@@ -101,7 +79,7 @@ class Named:
     label
         The rest of the text.
     alters
-        Whether it is no unit, but a function or a factor beside one.
+        What it is that makes the numbers another quantity than a unit beside it says; None for a unit.
     """
 
     unit: str | None
@@ -109,7 +87,7 @@ class Named:
     certain: bool
     text: str
     label: str
-    alters: bool = False
+    alters: Alteration | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +103,10 @@ class Heading:
     dates: bool = False
     in_cells: bool = False
     first: tuple[float, ...] = ()
+
+    def without_factors(self) -> Heading:
+        """The same where somebody says what the numbers are to be multiplied by."""
+        return replace(self, named=tuple(one for one in self.named if one.alters != "factor"))
 
     @property
     def unit(self) -> str | None:
@@ -189,10 +171,10 @@ def unclear_unit(named: Iterable[Named]) -> str | None:
         if len(units) > 1:
             return f"names several units, {' and '.join(units.values())}"
     strange = next((one.text for one in named if one.unit is None and not one.alters), None)
-    altered = next((one.text for one in named if one.alters), None)
-    if altered is not None and (known or strange is None):
-        beside = f", '{altered}', beside {' and '.join(unit for unit, _ in known)}" if known else f", '{altered}'"
-        return f"has a factor or a function{beside}"
+    altered = next((one for one in named if one.alters), None)
+    if altered is not None and altered.alters is not None and (known or strange is None):
+        beside = f", beside {' and '.join(unit for unit, _ in known)}" if known else ""
+        return f"{ALTERED[altered.alters]}, '{altered.text}'{beside}"
     return None if known or strange is None else f"names '{strange}', which is not a known unit"
 
 
@@ -210,7 +192,7 @@ def known_unit(text: str) -> tuple[str | None, str | None]:
 @functools.lru_cache(maxsize=4096)
 def units_of(heading: str) -> tuple[Named, ...]:
     """All units that a heading names, in square brackets first; also what stands in such brackets and is not known."""
-    heading = " ".join(heading.split()).translate(_SLASHES)
+    heading = referred_apart(" ".join(heading.split()).translate(_SLASHES))
     if len(heading) > _LONGEST or _LETTERS.fullmatch(heading) is not None:
         return ()
     found: list[Named] = []
@@ -218,6 +200,9 @@ def units_of(heading: str) -> tuple[Named, ...]:
     for bracket in sorted(_BRACKETS.finditer(heading), key=lambda one: "[{<(".index(one[0][0])):
         inner = re.sub(r"^(in|unit:?|einheit:?)\s+", "", bracket[0][1:-1].strip(), flags=re.IGNORECASE)
         unit, base = _known(re.sub(r"\s*/\s*", "/", inner))
+        if unit is None and len(listed := [one for one in _LISTED.split(inner) if is_unit(one)]) == 1:
+            inner = listed[0]  # "(gesamt, mm)"
+            unit, base = _known(inner, small=True)
         label = " ".join((heading[: bracket.start()] + " " + heading[bracket.end() :]).split()).rstrip("_")
         if unit is not None:
             symbol = bracket[0][0] == "(" and inner in _SYMBOLS
@@ -233,28 +218,15 @@ def units_of(heading: str) -> tuple[Named, ...]:
 
 
 def _altered(heading: str, found: Sequence[Named]) -> Named | None:
-    """A function, a factor or a quotient beside the units of a heading; without a unit, a factor."""
+    """What makes the numbers another quantity than the units of a heading say; without a unit, a factor."""
     units = [one for one in found if one.unit is not None and (len(found) == 1 or _LETTER.search(one.text))]
-    rest = _MEAN.sub("", heading)
+    rest = heading
     for one in units:
         unit = re.escape(one.text.rstrip("^"))
         rest = re.sub(rf"(?<![^\W_]){unit}(?![^\W\d_])", lambda _: "\0", rest, count=1)
-    sized = any(one.base not in (None, "dimensionless") for one in units)
-    altered = (_ALTERED if any(one.unit != "dimensionless" for one in units) else _ONLY_SCALED).search(rest)
-    text = None if altered is None else altered[0]
-    name = " ".join(re.sub(r"[\[({<|]?\0[\])}>|]?|\[.*?\]", " ", rest).split()).rstrip(",;:/")
-    if text is None and (multiple := _MULTIPLE.search(name)) is not None and not _is_word(multiple[1] or ""):
-        text = multiple[0].lstrip("= ")
-    if text is None and sized:
-        quotients = (
-            one[0] for one in _QUOTIENT.finditer(name) if one[1] is None or not (_is_word(one[1]) or _is_word(one[2]))
-        )
-        text = next(quotients, None)
-    if text is None and sized and (normalised := _NORMALISED.search(name)) is not None:
-        text = normalised[0]
-    if text is None and any(one.base == "kPa" for one in units) and (above := _ABSOLUTE.search(name)) is not None:
-        text = f"{above[0]}: with the atmosphere"
-    return None if text is None else Named(None, None, True, text.strip(" \0"), heading, alters=True)
+    bases = {one.base for one in units if one.unit != "dimensionless"}
+    kind, text = alteration_in(rest, bases, _is_word)
+    return None if kind is None else Named(None, None, True, text, heading, alters=kind)
 
 
 def _is_word(text: str) -> bool:

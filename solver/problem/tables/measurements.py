@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geoswarm.solver.problem.tables.blocks import begin, key
-from geoswarm.solver.problem.tables.cells import Sheet, factor_lines, number_in, read_cells, with_factors, without_units
+from geoswarm.solver.problem.tables.cells import (
+    Beside,
+    Sheet,
+    factors_beside,
+    number_in,
+    read_cells,
+    with_factors,
+    without_units,
+)
 from geoswarm.solver.problem.tables.dates import doubtful_date, elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
@@ -177,7 +185,7 @@ def _columns(found: Sheet) -> tuple[Column, ...]:
     width = min(max([len(found.header), *(len(cells) for cells in body)]), MAX_COLUMNS)
     commented = units_in_comments(found.comments)
     used = {line for line, cells in found.rows if sum(number_in(cell) is not None for cell in cells) > 1}
-    factors = factor_lines(found, used)
+    factors = factors_beside(found, used, body)
     columns = []
     for place in range(width):
         heading = found.header[place] if place < len(found.header) else ""
@@ -204,7 +212,7 @@ def _column(
     body: Sequence[Sequence[Cell]],
     commented: Mapping[str, str],
     units: Sequence[str],
-    factors: Sequence[tuple[str, frozenset[str]]],
+    factors: Sequence[Beside],
 ) -> Column:
     label = guess_unit(heading)[0]
     since = elapsed_days(cells, heading)

@@ -14,11 +14,11 @@ from operator import itemgetter
 
 from geoswarm.solver.problem.tables.blocks import is_reading, is_unit_column, key, shown, unit_of_cell
 from geoswarm.solver.problem.tables.cells import Area, Sheet, number_in
-from geoswarm.solver.problem.tables.headings import guess_unit, known_unit, units_of, without_brackets
+from geoswarm.solver.problem.tables.headings import Heading, guess_unit, known_unit, units_of, without_brackets
 from geoswarm.solver.problem.tables.packed import MAX_COLUMNS, Cell, column_letters, column_number
-from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.tables.reading import TableError, UnnamedColumnsError
 from geoswarm.solver.problem.tables.workbooks import named_cells
-from geoswarm.solver.sentences import Sentence, setting
+from geoswarm.solver.sentences import setting
 from geoswarm.solver.units import convert
 from geoswarm.solver.words import listed
 
@@ -30,6 +30,7 @@ __all__ = [
     "is_cells",
     "is_range",
     "lying_rows",
+    "refuse_other_unit",
     "refuse_parts_of_time",
     "rows_where",
     "sheet_of_names",
@@ -96,14 +97,16 @@ def column_of(sheet: Sheet, wanted: str) -> list[int]:
 def all_picked(sheet: Sheet, rows: Rows, wanted: Mapping[str, str], file: str) -> dict[str, Picked]:
     """All columns by role; all their mistakes are reported together."""
     found: dict[str, Picked] = {}
-    sentences: list[Sentence] = []
+    errors: list[TableError] = []
     for role, text in wanted.items():
         try:
             found[role] = _picked(sheet, rows, role, text, file)
         except TableError as error:
-            sentences += error.sentences
-    if sentences:
-        raise TableError(*sentences)
+            errors.append(error)
+    if errors:
+        unnamed = all(isinstance(error, UnnamedColumnsError) for error in errors)
+        sentences = [sentence for error in errors for sentence in error.sentences]
+        raise (UnnamedColumnsError if unnamed else TableError)(*sentences)
     return found
 
 
@@ -111,11 +114,13 @@ def _picked(sheet: Sheet, rows: Rows, role: str, text: str, file: str) -> Picked
     try:
         return picked(sheet, rows, text, file)
     except TableError as error:
-        if text != role or column_of(sheet, text) or role not in ("x", "y"):
+        if text != role or role not in ("x", "y"):
             raise
+        if column_of(sheet, text):
+            raise UnnamedColumnsError(*error.sentences) from None
         names = [heading for heading in sheet.header if heading] or ["column 1", "column 2"]
         suggested = names[min(("x", "y").index(role), len(names) - 1)]
-        raise TableError((f"{error}; say which it is: ", setting(f"{role}_column", suggested))) from None
+        raise UnnamedColumnsError((f"{error}; say which it is: ", setting(f"{role}_column", suggested))) from None
 
 
 def picked(sheet: Sheet, rows: Rows, wanted: str, file: str) -> Picked:
@@ -183,6 +188,19 @@ def refuse_parts_of_time(header: Sequence[str], x: Picked, rows: Iterable[Sequen
         raise TableError(
             f"{file}: columns '{x.name}' and '{name}' are parts of one time; put the whole time, in one unit, into one"
         )
+
+
+def refuse_other_unit(name: str, y: Heading, other: Heading) -> None:
+    """Refuse to subtract columns of different units.
+
+    Raises
+    ------
+    TableError
+        They have them.
+    """
+    if y.unit is not None and other.unit is not None and y.unit != other.unit and (y.certain or other.certain):
+        told = f", '{other.name}', in {other.unit}; give them one unit"
+        raise TableError((f"{name}: column '{y.name}' is in {y.unit} and ", setting("y_minus"), told))
 
 
 def units_beside(header: Sequence[str], rows: Sequence[Sequence[Cell]], place: int) -> tuple[str, ...]:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["factor_in", "is_heave", "quantities_of"]
+from geoswarm.solver.problem.tables.unit_words import PARTS
+
+__all__ = ["factor_in", "is_column_of_factors", "is_heave", "quantities_of"]
 
 _HEAVE = (
     r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
     r"|hebung|verformung|ma(?:ß|ss))|schwell(?:ung|dehnung|hebung)"
     r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index)))"
     r"(?![^\W\d_])(?!\s*\(?[=:]?\s*(?:[-−–]\s*(?:\)|$)|neg))"  # "Setzung, Hebung (-)" is a settlement
+    r"|(?:[-−–]|neg\w*) ?=? ?(?:nach unten|down)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
+    r"|(?:\+|pos\w*) ?=? ?(?:nach oben|up)|(?:nach oben|up(?:wards?)?) ?=? ?(?:pos|\+)"
 )
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (
@@ -19,6 +23,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
         r"|^test( ?(id|no\.?|nr\.?|number|name))?$",
         ("specimen",),
     ),
+    (r"(?<![a-z])rate\b|(strain|dehnungs|verformungs|setzungs|verschiebungs)rate\b|geschwindigkeit|velocity|speed", ()),
     (r"uhrzeit|time of day|\bclock", ("clock",)),
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
@@ -26,7 +31,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
     (r"überdruck|ueberdruck|excess pore|excess pwp", ("excess_pore_pressure", "pore_pressure")),
     (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
-    (r"zeit\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$", ("time",)),
+    (r"zeit(en)?\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$", ("time",)),
     (r"porenzahl|void[ _-]ratio|^e$", ("void_ratio", "e")),
     (r"stress[ _-]ratio|spannungsverhältnis|^q ?/ ?p|^η$", ("stress_ratio",)),
     (
@@ -107,18 +112,42 @@ _SCALED_LINE = re.compile(
     r"|(?<![^\W\d_])(?:skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
     rf"\D{{0,40}}?({_FACTOR})(?![\d.,])"
     rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"
-    rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+in\s+(1\s?/\s?10+|0?[.,]0*1)\s*\W?$",
+    rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+(?:in\s+(1\s?/\s?10+|0?[.,]0*1|{PARTS})\s*\W?$"
+    rf"|(?:sind |are )?(?:[×*·/]|(?:x|mal|times|durch)(?![^\W\d_]))\s*({_FACTOR}))"
+    rf"|^\W*(?:kalibrier|eich|calibration)[^\W\d]*\W+({_FACTOR})\s*$"
+    rf"|^\W*1\s*(?:div|digit|count|tick|sk(?:t|alen)|(?:teil)?strich)[^\W\d_]*\.?\s*[=≙:]\s*({_FACTOR})\s*[^\W\d]",
     re.IGNORECASE,
 )
 """A line that scales the numbers of a table: ``Faktor: 0,01``, ``multiply by 0.01``, ``Werte x 0,01``."""
 
 
 def factor_in(line: str) -> str | None:
-    """The factor that a line outside a table names; None for none, and for 1.
+    """The factor that a line outside a table names; None for none, and for 1. ``1 div = 0.01 mm`` names one, too.
 
     >>> factor_in("Skalierung (Setzung): 1/100"), factor_in("scale factor 1.0")
     ('1/100', None)
     """
     found = _SCALED_LINE.search(line)
-    factor = None if found is None else next(filter(None, found.groups()))
-    return None if factor is None or re.fullmatch(r"0*1(?:[.,]0*)?", factor) else factor
+    if found is None:
+        return None
+    rest = line[found.end() :]
+    more = re.findall(_FACTOR, rest) if re.fullmatch(r"[\s\d.,;eE+-]*", rest) else []  # a factor for each channel
+    factors = [next(filter(None, found.groups())), *more]
+    return next((one for one in factors if re.fullmatch(r"0*1(?:[.,]0*)?", one) is None), None)
+
+
+_COLUMN_OF_FACTORS = re.compile(
+    r"(?:(?:umrechnungs|skalierungs|mess(?:wert)?|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling|conversion"
+    r"|calibration)[ -]?)?(?:fa[ck]tor(?:s|en)?|multiplikator|multiplier|skalierung|scale"
+    r"|ma(?:ß|ss)stab|exponent|zehnerpotenz|power of (?:ten|10)|10\s*(?:\^|\*\*))(?![^\W\d_])(?! of safety)",
+    re.IGNORECASE,
+)
+
+
+def is_column_of_factors(label: str) -> bool:
+    """Whether a heading is that of factors of other columns: of the quantity that it names, or of all.
+
+    >>> is_column_of_factors("Umrechnungsfaktor Setzung"), is_column_of_factors("safety factor")
+    (True, False)
+    """
+    return _COLUMN_OF_FACTORS.match(label.strip()) is not None

@@ -17,6 +17,7 @@ __all__ = [
     "SEPARATORS",
     "WIDE_BLANKS",
     "TableError",
+    "UnnamedColumnsError",
     "cell_number",
     "decoded",
     "refuse_surplus",
@@ -43,8 +44,9 @@ SEPARATORS = (";", "\t", ",", WIDE_BLANKS, BLANKS)
 _WIDE = re.compile(r"\s*\t\s*|\s{2,}")
 _BRACKET = re.compile(r"\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\}")
 _NAMED = re.compile(r"(?<=\S)\s+(?=(?:\[[^\]\[]*\]|\([^()]*\)|\{[^{}]*\})(?:\s|$))")
+_EXPONENT_OF_FORTRAN = str.maketrans("dD", "ee")
 _MOST_DIGITS = 1100  # a float written out in full has 1075 at most
-_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+|[dD][+-]?\d{2,3})?", re.ASCII)
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(?:\d+(?:,\d*)?|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
@@ -59,6 +61,10 @@ class TableError(Exception):
     def issues(self, path: str = "", within: str = "") -> list[Issue]:
         """The mistakes at a path of the problem; keys are those ``within`` a part of it."""
         return [Issue.about(path, sentence, within) for sentence in self.sentences]
+
+
+class UnnamedColumnsError(TableError):
+    """Nobody says which columns are those of x and y, and none is called so."""
 
 
 def decoded(content: bytes) -> str:
@@ -229,7 +235,7 @@ def cell_number(cell: str) -> float | None:
         return None
     cell = cell.replace("\u2212", "-").replace("\u2013", "-")  # a minus as word processors write it
     if _NUMBER.fullmatch(cell):
-        value = float(cell)
+        value = float(cell.translate(_EXPONENT_OF_FORTRAN))
     elif _NUMBER_WITH_COMMA.fullmatch(cell):
         # Only possible beside another delimiter, or in quotes.
         value = float(cell.replace(",", "."))

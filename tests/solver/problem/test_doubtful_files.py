@@ -310,7 +310,7 @@ def test_a_factor_or_quotient_before_a_unit_is_asked_for(heading: str, told: str
     assert unit is None
     assert wrong is not None
     assert f"'{told[:1]}" in plain(wrong)
-    assert "y_unit says" in plain(wrong)
+    assert "y_unit, which says what the numbers are in" in plain(wrong)
     assert unit_of_data("y", "kPa", "kPa", named, unitless=False) == ("kPa", None)
 
 

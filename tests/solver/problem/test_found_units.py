@@ -248,12 +248,12 @@ def test_words_that_are_no_units(heading: str) -> None:
         ),
         ("q in Sekunden", "is in s, but the series has kPa"),
         *(
-            (f"{heading} {unit}", f"has a factor or a function, '{told}', beside kPa; y_unit says which holds")
+            (f"{heading} {unit}", f", '{told}', beside kPa; give ")
             for heading, told in (("√q", "√q"), ("q x 100", "x 100"), ("log q", "log"), ("1/q", "1/q"), ("q²", "²"))
             for unit in ("[kPa]", "(kPa)")
         ),
         *(
-            (heading, "has a factor or a function")
+            (heading, ", beside kPa; give ")
             for heading in (
                 "q [kPa] x 10^-2",
                 "q kPa x 10",

@@ -93,5 +93,6 @@ def test_a_sheet_with_a_group_in_the_ags_format_has_its_units_and_data(tmp_path:
 
 def test_columns_that_are_not_there_are_told_at_once(tmp_path: Path) -> None:
     wrong = mistakes(tmp_path, "a.csv", "0,0,60\n1,0.25,59\n")
-    assert "say which it is: x_column: column 1" in wrong
-    assert "say which it is: y_column: column 2" in wrong
+    assert "which columns hold x (time) and y (settlement), and in what unit?" in wrong
+    assert "x_column: A:A  # 0, 1\n" in wrong
+    assert "columns: A:A (0, 1); B:B (0, 0.25); C:C (60, 59)" in wrong

@@ -10,6 +10,7 @@ import pytest
 from geoswarm.solver.problem import TableError, read_measurements
 from geoswarm.solver.problem.issues import validated
 from geoswarm.solver.problem.observation_section import ObservationSection
+from geoswarm.solver.problem.points import points_of_file
 from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import Columns, table_of
 from geoswarm.solver.problem.tables.headings import heading_of, unclear_unit
@@ -208,7 +209,7 @@ def test_a_factor_above_or_below_the_table_is_asked_for(line: str) -> None:
         found = metres(content)
         assert "has a factor" in found, content
         assert line.lstrip("# ").replace(";", " ") in found
-        assert "y_unit says which holds, y_factor multiplies" in found
+        assert "give y_factor, which multiplies, or y_unit, which says what the numbers are in" in found
         columns = read_measurements(content.encode(), "a").columns
         assert columns[1].unit is None
         assert "has a factor" in (columns[1].unclear or "")
@@ -241,23 +242,114 @@ def test_a_unit_that_is_given_settles_a_factor_beside_the_table() -> None:
 
 
 @pytest.mark.parametrize(
-    "heading",
+    ("headings", "base", "said", "remedy"),
     [
-        *(
-            "p0+10 [kPa]",
-            "p0 + 10 [kPa]",
-            "σ1+σ3 [kPa]",
-            "sigma_1+sigma_3 [kPa]",
-            "σ·A [kPa]",
-            "100-ε [%]",
-            "100 - eps [%]",
+        (
+            ("p0+10 [kPa]", "p0 + 10 [kPa]", "σ1+σ3 [kPa]", "sigma_1+sigma_3 [kPa]", "σ·A [kPa]"),
+            "kPa",
+            "is a sum or a product, '",
+            "; give the quantity itself, or y_unit, which says what the numbers are in",
         ),
-        *("u kPa abs", "abs. pressure [kPa]", "u absolute [kPa]", "u bar abs"),
-        *("Strain % of full scale", "Strain % FS", "Strain [%] FS"),
+        (("100-ε [%]", "100 - eps [%]"), "", "is a sum or a product, '", "; give the quantity itself, or y_unit"),
+        (
+            (
+                "u kPa abs",
+                "abs. pressure [kPa]",
+                "u absolute [kPa]",
+                "Absolutdruck [kPa]",
+                "u [kPa(a)]",
+                "u (kPa abs.)",
+            ),
+            "kPa",
+            "is an absolute pressure, '",
+            "; subtract that of the atmosphere (y_minus takes a column of it) and give y_unit: kPa",
+        ),
+        (("u bar abs", "u [bar(a)]", "u in bar a", "u bara"), "kPa", "is an absolute pressure, 'abs'", "y_unit: bar"),
+        (("u psia", "u [psia]", "u (psi a)"), "kPa", "is an absolute pressure, 'abs', beside psi", "y_unit: psi"),
+        (
+            ("Strain % of full scale", "Strain % FS", "Strain [%] FS", "Dehnung [% v. E.]", "Dehnung % vom Endwert"),
+            "",
+            "is a share of full scale, 'FS', beside %",
+            "; give the unit of the gauge and its range, such as y_unit: dimensionless and y_factor: full scale / 100",
+        ),
+        (("u [% FS]", "u % FS", "u (% of full scale)"), "kPa", "is a share of full scale, 'FS'", "y_unit: kPa and y_f"),
     ],
 )
-def test_sums_absolute_pressures_and_shares_of_full_scale_are_asked_for(heading: str) -> None:
-    assert "has a factor or a function" in (unclear_unit(heading_of(heading, {}).named) or "")
+def test_what_is_not_in_the_unit_beside_it_is_named(
+    headings: tuple[str, ...], base: str, said: str, remedy: str
+) -> None:
+    """All were called a factor or a function; ``kPa(a)`` and ``psia`` were unknown, ``(a)`` a year."""
+    for heading in headings:
+        unit, wrong = unit_of_data("y", None, base, heading_of(heading, {}), unitless=False, needed=not base)
+        assert unit is None, heading
+        assert said in plain(wrong or ()), heading
+        assert remedy in plain(wrong or ()), heading
+
+
+@pytest.mark.parametrize(
+    ("heading", "unit"), [("u [psig]", "psi"), ("u barg", "bar"), ("u [kPa g]", "kPa"), ("u (kPa(g))", "kPa")]
+)
+def test_a_pressure_of_a_gauge_is_in_its_unit(heading: str, unit: str) -> None:
+    assert unit_of_data("y", None, "kPa", heading_of(heading, {}), unitless=False) == (unit, None)
+
+
+def settled(content: str, **keys: Any) -> list[float] | str:
+    """Readings in m of a problem's observation, or why not."""
+    given = {"series": "settlement", "file": "a", "x_column": "A:A", "y_column": "Setzung", **keys}
+    section, issues = validated(ObservationSection, given, "")
+    assert section is not None, issues
+    points, issues = points_of_file(section, "", content.encode(), "a")
+    assert points is not None, issues
+    unit, wrong = unit_of_data("y", section.y_unit, "m", points.y_heading, unitless=False)
+    return plain(wrong) if wrong is not None else [round(y, 12) for y in convert(np.array(points.y), unit or "m", "m")]
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        f"Faktor: 0,01\nZeit [min];Setzung [mm]\n{NUMBERS}",
+        "Zeit [min];Setzung [mm];Faktor\n1;1;0,01\n2;2;0,01\n4;3;0,01\n",
+    ],
+)
+def test_one_answer_settles_a_factor(table: str) -> None:
+    """``y_factor`` alone did not; a factor in a column went unnoticed."""
+    found = settled(table)
+    assert "has a factor, '" in found
+    assert "beside mm; give y_factor, which multiplies, or y_unit" in found
+    assert settled(table, y_factor=0.01) == [1e-5, 2e-5, 3e-5]
+    assert settled(table, y_factor=1) == [1e-3, 2e-3, 3e-3]
+    assert settled(table, y_unit="0.01 mm") == [1e-5, 2e-5, 3e-5]
+
+
+def test_a_factor_settles_no_root() -> None:
+    section, _ = validated(
+        ObservationSection, {"series": "s", "file": "a", "x_column": "A:A", "y_column": "B:B", "x_factor": 2}, ""
+    )
+    assert section is not None
+    points, _ = points_of_file(section, "", "√t [min];Setzung [mm]\n1;1\n2;2\n".encode(), "a")
+    assert points is not None
+    assert "has a function" in plain(unit_of_data("x", None, "day", points.x_heading, unitless=False)[1] or ())
+
+
+@pytest.mark.parametrize(
+    ("header", "first", "asked"),
+    [
+        ("Zeit [min];Setzung [mm];Multiplikator", "1;1;0,1", True),
+        ("Zeit [min];Setzung [mm];factor", "1;1;10", True),
+        ("Zeit [min];Setzung [mm];Umrechnungsfaktor Setzung", "1;1;0,01", True),
+        ("Zeit [min];Setzung [mm];Skalierung", "1;1;0,01", True),
+        ("Zeit [min];Setzung [mm];Faktor", "1;1;1,0", False),
+        ("Zeit [min];Setzung [mm];Faktor Last", "1;1;10", False),
+        ("Zeit [min];Setzung [mm];Sicherheitsfaktor", "1;1;1,5", False),
+        ("Zeit [min];Setzung [mm];time factor", "1;1;0,2", False),
+        ("Zeit [min];Setzung [mm];Gewichtungsfaktor", "1;1;0,5", False),
+    ],
+)
+def test_a_column_of_factors(header: str, first: str, asked: bool) -> None:
+    content = f"{header}\n{first}\n2;2;{first.rpartition(';')[2]}\n4;3;{first.rpartition(';')[2]}\n"
+    found = settled(content)
+    assert ("has a factor" in found) if asked else (found == [1e-3, 2e-3, 3e-3])
+    assert ("has a factor" in (read_measurements(content.encode(), "a").columns[1].unclear or "")) == asked
 
 
 @pytest.mark.parametrize(

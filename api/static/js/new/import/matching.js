@@ -26,6 +26,9 @@ function dimensionOf(unit) {
   return ["day", "m", "kPa", "degree", "dimensionless"].find((base) => unitsOf(base).includes(plainBase(unit))) ?? null;
 }
 
+/** Whether a column is a heave, whose sign is to be asked for. */
+const rises = (column) => column.quantities.includes("heave");
+
 /** Whether x are numbers of stages, which the service finds by their loads, too. */
 export const byLoad = (info, axis) => axis === "x" && info?.x_quantity === "stage";
 
@@ -47,7 +50,9 @@ function meaning(column, info) {
   return place >= 0 || !names.includes(key(column.label)) ? place : 0;
 }
 
-const meansX = (column, info) => column.quantities.some((one) => key(info.x_quantity) === one || key(info.x_quantity).endsWith(`_${one}`));
+/** Numbers of stages that come again choose a part of a table, they are no x. */
+const meansX = (column, info) => column.quantities.some((one) => key(info.x_quantity) === one || key(info.x_quantity).endsWith(`_${one}`))
+  && !(info.x_quantity === "stage" && new Set(column.values).size < column.values.length);
 
 /** Whether a column is a row of the sheet. */
 export const lies = (column) => column?.letters.includes(":") ?? false;
@@ -80,14 +85,14 @@ export function columnOfY(file, info) {
   const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => column.kind === "number");
   const named = usable.map((one) => ({ ...one, place: meaning(one.column, info) })).filter(({ place }) => place >= 0);
   named.sort((one, other) => one.place - other.place || one.i - other.i);
-  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit));
+  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit) && !rises(column));
   return named[0]?.i ?? (alike.length === 1 ? alike[0].i : null) ?? usable.find(({ column }) => key(column.label) === "y")?.i ?? null;
 }
 
 /** The only series and column whose units, and those of a column of x, belong together, where no word says so. */
 function byUnits(file, pairs) {
   const fits = (column, unit) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(unit);
-  const found = pairs.filter(({ info, column, y }) => fits(column, info.y_unit) && file.columns.some((one, i) => i !== y && fits(one, info.x_unit)));
+  const found = pairs.filter(({ info, column, y }) => !rises(column) && fits(column, info.y_unit) && file.columns.some((one, i) => i !== y && fits(one, info.x_unit)));
   return found.length === 1 ? found[0] : undefined;
 }
 
@@ -97,7 +102,7 @@ export function likelySeries(file, known) {
   const rank = ({ info, place, column, y, meant }) => {
     const x = file.columns.some((one) => readable(one) && paired(one, column) && (meansX(one, info) || (byLoad(info, "x") && meansLoad(one))));
     const fits = column.base === null || column.base === plainBase(info.y_unit);
-    return [meant, x ? 0 : 1, fits ? 0 : 1, info.name.includes(".") ? 1 : 0, PREFIX.test(info.name.split(".").at(-1)) ? 1 : 0, y, place];
+    return [meant, x ? 0 : 1, fits ? 0 : 1, info.name.includes(".") ? 1 : 0, PREFIX.test(info.name.split(".").at(-1)) ? 1 : 0, place, y];
   };
   const ranked = pairs.filter(({ meant }) => meant >= 0).map((pair) => ({ pair, order: rank(pair) }));
   ranked.sort((one, other) => one.order.map((value, i) => value - other.order[i]).find((step) => step !== 0) ?? 0);

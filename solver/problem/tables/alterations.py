@@ -1,0 +1,115 @@
+"""What makes the numbers of a column another quantity than the unit beside it says: a factor, a function, a sum."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Literal, TypeAlias
+
+from geoswarm.solver.problem.tables.unit_words import PARTS, SUMS
+
+__all__ = ["ALTERED", "Alteration", "alteration_in", "referred_apart"]
+
+Alteration: TypeAlias = Literal["factor", "function", "sum", "absolute", "share"]
+
+ALTERED: dict[Alteration, str] = {
+    "factor": "has a factor",
+    "function": "has a function",
+    "sum": "is a sum or a product",
+    "absolute": "is an absolute pressure",
+    "share": "is a share of full scale",
+}
+"""What is said of a column."""
+
+_SCALED = (
+    r"[×*·÷]\s*\d|(?<![^\W\d_])x\s*(?:10|0[.,])|\d+\s*[×*·]|(?<![\d.,])10+\s*x|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
+    r"|(?<!\w)1e\d|(?<![^\W\d_])(?:\d[\d.,]*)?e[-+]\d|(?<![\w.,/])1\s?/\s?10+(?!\d)|(?<![\d.,])0?[.,]0*1(?![\d.,])|/[₀-₉]"
+    rf"|(?<!\w)(?:{PARTS})(?![^\W\d])|(?<![\d:])(?:10+\s?:\s?1|1\s?:\s?10+)(?![\d:])|(?<![\d/])\s*/\s*10+(?![\d/])|fa[ck]tor\s*[=:]?\s*\d|(?<!\w)[½⅓¼¾]"
+    r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
+)
+_OF_FULL_SCALE = r"\0[\])]?\s?(?:of )?(?:full[ -]?scale|fs(?!\w))"
+_SHARE = re.compile(_OF_FULL_SCALE, re.IGNORECASE)
+_ALTERED = re.compile(
+    rf"(?:{_SCALED}|{SUMS}|{_OF_FULL_SCALE}"
+    r"|[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln|exp)"
+    r"(?![^\W\d_])|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
+    re.IGNORECASE,
+)
+"""What makes numbers another quantity than the unit beside it says: ``√t [min]``, ``q x 10 [kPa]``; \\0 is the unit."""
+_ONLY_SCALED = re.compile(rf"(?:{_SCALED})[^\s\0\[\](){{}}<>]*", re.IGNORECASE)
+_SCALED_OR_SUM = re.compile(rf"{_ONLY_SCALED.pattern}|{SUMS}", re.IGNORECASE)
+_SYMBOL = r"[∆Δδ]?[^\W\d_]{1,5}(?:_\w{1,4}|[\d₀-₉]{1,2})?['’′]?"
+_MULTIPLE = re.compile(rf"(?:=\s*|^)(?:\d{{1,6}}(?:[.,]\d+)?|\d/\d)(?:\s?({_SYMBOL})|\([^()]*[-+−–][^()]*\))$")
+"""All of a heading: ``10q``, ``0.5 s``, ``1/2 q``, ``0.5(s1-s3)``."""
+_MEAN = re.compile(r"\([^()\-−–]*\+[^()\-−–]*\)\s*/\s*[23](?!\d)")
+_QUOTIENT = re.compile(
+    rf"(?<![\w'’′∆Δδ])({_SYMBOL})\s*/\s*({_SYMBOL})(?![\w'’′])|(?:(?<![\w'’′∆Δδ]){_SYMBOL}|\))"
+    r"\s*/\s*\d+(?:[.,]\d+)?(?![\d/])"
+)
+_NORMALISED = re.compile(r"(?<!\w)norm(?:ali[sz]ed|alisiert\w*|iert\w*)", re.IGNORECASE)
+_ABSOLUTE = re.compile(r"(?<!\w)abs(?:olut(?:e[nrs]?|druck)?)?(?!\w)", re.IGNORECASE)
+_REFERRED = re.compile(
+    r"(?<![^\W\d_])((?:[kMhm]?Pa|m?bar|psi))(?:\s?\(\s?(?P<brackets>a|g|[üu]|abs\.?|absolute?|gauge|rel(?:ativ)?\.?)\s?\)"
+    r"|(?P<glued>[agü])(?!\w)|\s(?P<apart>(?:abs\.?|absolute?|gauge|[agü])(?=\s*(?:[\])}]|$))))",
+    re.IGNORECASE,
+)
+"""A pressure and the one that it counts from: ``kPa(a)``, ``psig``, ``bar abs``."""
+_SHARE_INSIDE = re.compile(
+    r"([\[(]?)%\s*(?:(?:of )?(?:the )?(?:full[ -]?scale|f\.?s\.?(?![^\W\d_])(?:o\.?)?|range)"
+    r"|(?:v\.?|vom )\s?(?:E(?:ndwert)?|MBE?|Messbereich(?:sendwert)?)\b\.?)\s*([\])]?)",
+    re.IGNORECASE,
+)
+
+
+def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bool]) -> tuple[Alteration | None, str]:
+    """What makes the numbers another quantity, and its text; None where nothing does.
+
+    Parameters
+    ----------
+    rest
+        A heading whose units are \\0.
+    bases
+        Dimensions of its units, without that of plain numbers.
+    is_word
+        Whether a few letters are a word or a unit, not the symbol of a quantity.
+    """
+    rest = _MEAN.sub("", rest)
+    sized = bool(bases - {None, "dimensionless"})
+    if (altered := (_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
+        return _kind(altered), altered[0].strip(" \0[]()")
+    name = " ".join(re.sub(r"[\[({<|]?\0[\])}>|]?|\[.*?\]", " ", rest).split()).rstrip(",;:/")
+    if (multiple := _MULTIPLE.search(name)) is not None and not is_word(multiple[1] or ""):
+        return "factor", multiple[0].lstrip("= ")
+    if not sized:
+        return None, ""
+    for one in _QUOTIENT.finditer(name):
+        if one[1] is None or not (is_word(one[1]) or is_word(one[2])):
+            return "factor" if one[1] is None else "function", one[0]
+    if (normalised := _NORMALISED.search(name)) is not None:
+        return "function", normalised[0]
+    if "kPa" in bases and (above := _ABSOLUTE.search(name)) is not None:
+        return "absolute", above[0]
+    return None, ""
+
+
+def _kind(altered: re.Match[str]) -> Alteration:
+    if _SHARE.match(altered[0]) is not None:
+        return "share"
+    if re.match(SUMS, altered[0]):
+        return "sum"
+    return "factor" if _ONLY_SCALED.match(altered[0]) else "function"
+
+
+def referred_apart(heading: str) -> str:
+    """A heading in which the unit is apart from what a pressure counts from, or from the full scale of a gauge.
+
+    >>> referred_apart("u [kPa(a)]"), referred_apart("u (psig)"), referred_apart("u [% FS]")
+    ('u [kPa] abs', 'u (psi)', 'u [%] FS')
+    """
+    heading = _SHARE_INSIDE.sub(r"\1%\2 FS", heading)
+    found = _REFERRED.search(heading)
+    if found is None:
+        return heading
+    word = found["brackets"] or found["glued"] or found["apart"]
+    plain = f"{heading[: found.start()]}{found[1]}{heading[found.end() :]}"
+    return f"{plain} abs" if word[0] in "aA" else plain

@@ -1,0 +1,116 @@
+"""Notes, columns and headings by which numbers are not in the unit beside them, and spellings that are nothing such."""
+
+from __future__ import annotations
+
+import pytest
+
+from geoswarm.solver.problem.readings.units import unit_of_data
+from geoswarm.solver.problem.tables.columns import Columns, table_of
+from geoswarm.solver.problem.tables.headings import heading_of
+from geoswarm.solver.problem.tables.quantities import is_heave, quantities_of
+from geoswarm.solver.sentences import plain
+from tests.solver.problem.test_units_beside_headings import NUMBERS, metres
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "1 div = 0.01 mm",
+        "1 Skt. = 0,01 mm",
+        "Angaben in Hundertstel",
+        "Alle Werte mal 10 nehmen",
+        "values are × 0.1",
+        "*) Werte in 1/100 mm",
+    ],
+)
+def test_a_note_below_the_table_that_scales_is_asked_for(line: str) -> None:
+    """Readings in steps of a dial gauge below ``Ablesung [mm]`` were millimetres."""
+    assert f"has a factor, 'line 5: {line}'" in metres(f"Zeit [min];Setzung [mm]\n{NUMBERS}{line}\n")
+
+
+@pytest.mark.parametrize(
+    "line", ["1 Stufe: 25 kPa", "1 bar = 100 kPa", "Werte in mm", "Probe 1 mal 2", "Werte korrigiert"]
+)
+def test_a_note_below_the_table_that_does_not_scale_is_passed_over(line: str) -> None:
+    assert metres(f"Zeit [min];Setzung [mm]\n{NUMBERS}{line}\n") == [0.001, 0.002, 0.003]
+
+
+@pytest.mark.parametrize("name", ["Exponent", "Zehnerpotenz", "10^", "Massstab", "Maßstab"])
+def test_a_column_of_powers_or_scales_is_asked_for(name: str) -> None:
+    assert "has a factor, 'column" in metres(f"Zeit [min];Setzung [mm];{name}\n1;1;-2\n2;2;-2\n")
+
+
+def test_a_column_of_factors_is_no_matter_of_a_time() -> None:
+    found = table_of(b"t [min];s [mm];Faktor\n1;1;10\n2;2;10\n", "a", Columns(x="A:A", y="B:B"))
+    assert unit_of_data("x", None, "day", found.x_heading, unitless=False) == ("min", None)
+
+
+def test_one_plus_the_void_ratio_is_no_void_ratio() -> None:
+    _, wrong = unit_of_data("y", None, "", heading_of("1+e", {}), unitless=False)
+    assert "is a sum or a product, '1+e'" in plain(wrong or ())
+
+
+@pytest.mark.parametrize(
+    "heading", ["Setzung (- nach unten) [mm]", "settlement (down = neg) [mm]", "displacement (+ up) [mm]"]
+)
+def test_a_settlement_that_is_negative_downwards_is_asked_for(heading: str) -> None:
+    assert is_heave(heading)
+    assert not is_heave(heading.replace("-", "+").replace("neg", "pos").replace("up", "down"))
+
+
+def test_exponents_of_fortran_and_a_product_in_a_cell() -> None:
+    content = "Zeit [min];Setzung [m]\n1.0D+00;1.5D-03\n2.0D+00;2.5d-03\n"
+    assert metres(content) == [0.0015, 0.0025]
+    assert "'1,5*10^-3' is not a finite number" in metres("Zeit [min];Setzung [m]\n1;1,5*10^-3\n2;2,5*10^-3\n")
+
+
+@pytest.mark.parametrize(
+    ("heading", "base", "unit"),
+    [
+        ("Setzung (gesamt, mm)", "m", "mm"),
+        ("strain (%, corrected)", "", "%"),
+        ("q [kPa; korr.]", "kPa", "kPa"),
+        ("q (tonf/ft2)", "kPa", "force_ton/ft^2"),
+        ("q [ton/m2]", "kPa", "tf/m^2"),
+        ("Setzung (mm, cm)", "m", None),
+        ("Setzung (mm, x10)", "m", None),
+        ("Setzung (25,1 mm)", "m", None),
+    ],
+)
+def test_a_unit_among_words_in_brackets(heading: str, base: str, unit: str | None) -> None:
+    assert unit_of_data("y", None, base, heading_of(heading, {}), unitless=False, needed=not base)[0] == unit
+
+
+@pytest.mark.parametrize("heading", ["Axial strain rate [%/min]", "Setzungsgeschwindigkeit", "AxialStrainRate_pct_min"])
+def test_a_rate_is_no_strain_and_no_settlement(heading: str) -> None:
+    assert quantities_of(heading) == ()
+
+
+@pytest.mark.parametrize(
+    ("note", "unit"),
+    [("Setzungen in 1/100 mm", "0.01 mm"), ("Setzung [1/100 mm]", "0.01 mm"), ("settlement in cm", "cm")],
+)
+def test_a_note_that_names_another_unit_of_the_quantity_is_asked_for(note: str, unit: str) -> None:
+    """Notes below the table and comments were passed over."""
+    table = f"Zeit [min];Setzung [mm]\n{NUMBERS}"
+    for content in (f"{table}{note}\n", f"# {note}\n{table}"):
+        assert f"names several units, mm and {unit}" in metres(content), content
+        assert metres(content.replace("Setzung [mm]", f"Setzung [{unit}]"))[0] in (1e-5, 0.01)
+
+
+@pytest.mark.parametrize("note", ["Setzung der Probe in 5 m Tiefe", "Setzungsgeschwindigkeit in mm/min", "Last in kPa"])
+def test_a_note_on_something_else_is_passed_over(note: str) -> None:
+    assert metres(f"# {note}\nZeit [min];Setzung [mm]\n{NUMBERS}{note}\n") == [0.001, 0.002, 0.003]
+
+
+@pytest.mark.parametrize("note", ["Zeiten in 1/10 s", "Faktor Zeit: 60", "Zeit in Std"])
+def test_notes_on_the_time_count_for_the_time(note: str) -> None:
+    found = table_of(f"Zeit [s];Setzung [mm]\n{NUMBERS}{note}\n".encode(), "a", Columns(x="A:A", y="B:B"))
+    assert unit_of_data("x", None, "day", found.x_heading, unitless=False)[0] is None
+    assert unit_of_data("y", None, "m", found.y_heading, unitless=False) == ("mm", None)
+
+
+def test_factors_of_several_channels_and_of_a_calibration() -> None:
+    assert "has a factor" in metres(f"Kanal;1;2\nFaktor;1,0;0,01\nZeit [min];Setzung [mm]\n{NUMBERS}")
+    assert "has a factor" in metres(f"Kalibrierung: 0,01\nZeit [min];Setzung [mm]\n{NUMBERS}")
+    assert metres(f"Faktor 1,0 bei 20 °C\nZeit [min];Setzung [mm]\n{NUMBERS}") == [0.001, 0.002, 0.003]
