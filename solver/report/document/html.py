@@ -6,7 +6,7 @@ from pathlib import Path
 
 from geoswarm.solver.report.document.content import Content
 from geoswarm.solver.report.figures.style import figures_available, inline_svg
-from geoswarm.solver.words import typeset
+from geoswarm.solver.words import typeset, visible
 
 __all__ = ["SIGNS", "html_fragment", "html_report", "render"]
 
@@ -54,6 +54,7 @@ def render(template: str, *, folder: Path = TEMPLATES, **values: object) -> str:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=lambda value: visible(value, lines=True) if type(value) is str else value,  # not our own markup
     )
     environment.filters["typeset"] = typeset
     style = Markup((TEMPLATES / "report.css").read_text(encoding="utf-8"))  # our own file

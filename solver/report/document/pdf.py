@@ -12,6 +12,7 @@ from geoswarm.solver.report.document.content import Content
 from geoswarm.solver.report.document.html import SIGNS
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
 from geoswarm.solver.report.figures.style import GRID, INK, MUTED, png_of
+from geoswarm.solver.words import visible
 
 __all__ = ["heading_of", "pdf_report", "shared_width"]
 
@@ -125,7 +126,7 @@ def _styles() -> dict[str, Any]:
 def _text(text: str, style: str) -> Any:
     from reportlab.platypus import Paragraph
 
-    escaped = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    escaped = visible(text, lines=True).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     if style == "code":
         stripped = escaped.lstrip(" ")
         escaped = "&nbsp;" * (len(escaped) - len(stripped)) + stripped

@@ -86,10 +86,12 @@ def test_page_needs_nothing_else(swarm: Run) -> None:
 def test_names_of_the_user_are_escaped(swarm: Run) -> None:
     from dataclasses import replace
 
-    problem = replace(swarm.problem, name="<script>alert(1)</script>")
+    problem = replace(swarm.problem, name="<script>alert(1)</script> \x1b[31m \u202egnp.exe")
     page = report_of_result(problem, swarm.result).html()
     assert "<script>" not in page
     assert "&lt;script&gt;" in page
+    assert "\x1b" not in page
+    assert "\u202e" not in page
 
 
 def test_a_swarm_ends_at_the_minimum_and_its_parameters_are_identified(swarm: Run) -> None:
