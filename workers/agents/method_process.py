@@ -75,7 +75,7 @@ class MethodProcess:
             self._lock.release()
 
     def close(self) -> None:
-        """End the process; who waits for it does not any more."""
+        """End the process, and the waiting for it."""
         self._closed = True
         if self._process is not None:
             kill_session(self._process.pid)

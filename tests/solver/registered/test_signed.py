@@ -59,7 +59,7 @@ def test_another_secret_or_a_changed_letter_is_refused() -> None:
 
 @pytest.mark.parametrize("text", [b"", b"[]", b"{}", b"\xff", b'{"content": "x", "signature": "' + b"0" * 64 + b'"}'])
 def test_what_is_no_list_is_reported(text: bytes) -> None:
-    with pytest.raises(SignedListError, match="it is no list that 'geoswarm models sign' has made"):
+    with pytest.raises(SignedListError, match="it is not a list from 'geoswarm models sign'"):
         SignedList.read(text, None)
 
 
