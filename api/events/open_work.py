@@ -30,7 +30,7 @@ THREADS = 8  # that speak to the database for agents
 WOKEN = 4  # at once: each one that finds work wakes two more
 RETRY_SECONDS = 1.0
 QUIET_SECONDS = 5.0  # without work it is looked less often: after so long,
-QUIET_FACTOR, TOLD_FACTOR = 5.0, 20.0  # fewer queries; the second where the database announces changes
+QUIET_FACTOR, ANNOUNCED_FACTOR = 5.0, 20.0  # fewer queries; the second where the database announces changes
 SEEN_SHARE = 0.4  # of a lease, after which it is noted again that waiting workers are alive
 
 
@@ -183,4 +183,4 @@ class OpenWorkWatch:
     def _interval(self) -> float:
         if time.monotonic() - self._worked_at <= QUIET_SECONDS:
             return self._poll
-        return self._poll * (TOLD_FACTOR if self._listener is not None and self._listener.live else QUIET_FACTOR)
+        return self._poll * (ANNOUNCED_FACTOR if self._listener is not None and self._listener.live else QUIET_FACTOR)

@@ -95,7 +95,7 @@ def _hooked(client: Client, target: str, job: Job) -> NewHook:
     try:
         return add_hook(client, target, job.id)
     except BadInputError as error:
-        raise BadInputError(f"job {job.id} is submitted, but its end will not be notified: {error}") from error
+        raise BadInputError(f"job {job.id} is submitted, but its end will not be announced: {error}") from error
 
 
 def _learning_from(jobs: list[str], problem: Path) -> dict[str, Any]:
