@@ -44,8 +44,8 @@ class Components:
         """
         n, m = residuals.shape
         squares = (residuals * residuals).sum(axis=1)
-        if m == 1:
-            return cls(residuals, 0.0)
+        if m == 1 or not squares.any():  # all runs meet all readings exactly
+            return cls(residuals[:, :1], 0.0)
         floor = float(np.median(squares[: max(1, n // 4)]))
         scaled = residuals / np.sqrt(squares + floor + 1e-300)[:, None]
         if m <= n:

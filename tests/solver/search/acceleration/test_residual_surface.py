@@ -136,3 +136,10 @@ def test_the_unexplained_share_tells_smooth_from_random() -> None:
     assert 0.0 < smooth < 0.01
     assert 1.0 < rough < 20.0
     assert ResidualSurface(known, Components.of(np.ones((60, 3)), 2), 0.1, None).unexplained <= 1e6
+
+
+def test_residuals_that_are_all_zero_have_one_component() -> None:
+    """Where every run meets all readings exactly, whatever the parameters."""
+    components = Components.of(np.zeros((1, 2)), 1)
+    assert components.values.tolist() == [[0.0]]
+    assert components.rest == 0.0
