@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 import pytest
@@ -64,6 +65,54 @@ def test_what_the_database_refuses_is_undone_and_said(store: Store, count: int) 
     with pytest.raises(StoreUnavailableError, match=r"(?i)unique"):
         store.write(write)
     assert store.read(lambda c: COUNT.rows(c, {})[0].count) == 0
+
+
+def test_values_of_any_size_follow_each_other(store: Store, hand: Hand) -> None:
+    """A statement that was prepared with a small number, a short text or none takes the largest, too."""
+    names = ("parameters", "message", "duplicates", "seconds")
+    here = change(evaluations, ("job_id", "generation", "particle"), names)
+    read = Statement(
+        select(*(evaluations.c[name] for name in names)).where(
+            evaluations.c.generation == 0, evaluations.c.particle == 0
+        )
+    )
+    key = {"of_job_id": hand.job_id, "of_generation": 0, "of_particle": 0}
+    for values in (
+        (b"", "", 0, 0.0),
+        (b"\0\\x\xff" * 3000, "Größe $1 \\x00 '" * 500, 2**31 - 1, 5e-324),
+        (b"1", None, None, 1.7976931348623157e308),
+        (b"2", "%s", -1, -0.1),
+    ):
+        given = key | {f"to_{name}": value for name, value in zip(names, values, strict=True)}
+        assert store.write(lambda c, given=given: here.write(c, [given])) == 1
+        found = store.read(lambda c: read.rows(c, {}))[0]
+        assert tuple(found) == values
+        assert [type(value) for value in found] == [type(value) for value in values]
+
+
+def test_the_victim_of_a_deadlock_tries_again(fresh_postgres_url: str) -> None:
+    store = Store(Settings(database_url=fresh_postgres_url))
+    served = change(turns, ("line",), ("served_at",))
+    store.write(lambda c: enter(turns, ("line", "served_at")).write(c, [{"line": n, "served_at": 0.0} for n in "ab"]))
+    both = threading.Barrier(2)
+    tries: list[str] = []
+
+    def write(connection: Connection, lines: str) -> None:
+        tries.append(lines)
+        for number, line in enumerate(lines):
+            served.write(connection, [{"of_line": line, "to_served_at": 1.0}])
+            if number == 0 and tries.count(lines) == 1:
+                both.wait(60.0)
+
+    threads = [
+        threading.Thread(target=lambda lines=lines: store.write(lambda c: write(c, lines))) for lines in ("ab", "ba")
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(tries) == 3
+    store.close()
 
 
 def test_an_exchange_makes_four_statements(store: Store, hand: Hand, monkeypatch: pytest.MonkeyPatch) -> None:

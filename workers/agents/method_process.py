@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import logging
-import os
 import subprocess
 import sys
 import threading
 from collections.abc import Mapping
 from typing import Any
 
-from geoswarm.environment import without_secrets
 from geoswarm.solver.errors import InfeasibleSpaceError
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runner.evaluator import BuildError
-from geoswarm.solver.system.environment import numerics
 from geoswarm.solver.system.processes import child_program, die_with_parent, go_first_without_memory, kill_session
 from geoswarm.workers.agents.prepared import Prepared, PreparedJobs
+from geoswarm.workers.child_process import child_environment, hand_over, open_store, take_over
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.coordinator.work import Submission
 from geoswarm.workers.errors import StoreUnavailableError
-from geoswarm.workers.logs import start_logging
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 
@@ -65,8 +61,9 @@ class MethodProcess:
         if self._closed or not self._lock.acquire(blocking=False):
             return False
         try:
+            given = hand_over(self._store, self._settings, job=prepared.id, slots=slots)
             for _ in range(TRIES):  # once perhaps not by the method
-                ended = self._run({"job": prepared.id, "slots": slots})
+                ended = self._run(given)
                 if ended is None or self._closed:
                     return True
             kind = prepared.course.problem.method.kind
@@ -80,26 +77,19 @@ class MethodProcess:
         if self._process is not None:
             kill_session(self._process.pid)
 
-    def _run(self, given: Mapping[str, Any]) -> str | None:
-        document = {
-            "path": sys.path,
-            "settings": self._settings.model_dump(),
-            "database_file": self._store.file,
-            "log_level": logging.getLogger().getEffectiveLevel(),
-            **given,
-        }
+    def _run(self, given: bytes) -> str | None:
         try:
             process = self._process = subprocess.Popen(
                 [sys.executable, "-c", BOOTSTRAP],
                 stdin=subprocess.PIPE,
-                env=without_secrets(os.environ) | numerics(),  # what it needs of them comes over its standard input
+                env=child_environment(),
                 start_new_session=True,
             )
         except OSError as error:
             log.warning("no process for a method could be started: %s", error)
             return None
         try:
-            process.communicate(json.dumps(document).encode() + b"\n", LIMIT_SECONDS)
+            process.communicate(given, LIMIT_SECONDS)
         except subprocess.TimeoutExpired:
             return f"did not return within {LIMIT_SECONDS:g} s, and its process was killed"
         finally:
@@ -114,11 +104,9 @@ def main(given: Mapping[str, Any]) -> None:
     """Let the method of one job act."""
     die_with_parent()
     go_first_without_memory()
-    start_logging(given["log_level"])
-    settings = Settings(**given["settings"])
-    file = given["database_file"]
+    settings = take_over(given)
     try:
-        store = Store(settings, None if file is None else tuple(file))
+        store = open_store(given, settings)
         runtime = Runtime(store, settings)
         try:
             prepared = PreparedJobs(store, settings).get(given["job"])

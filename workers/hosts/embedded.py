@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-import json
 import logging
 import os
 import struct
@@ -15,12 +14,11 @@ import threading
 import time
 from dataclasses import dataclass
 
-from geoswarm.environment import without_secrets
 from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.runner.output import anonymous_file
 from geoswarm.solver.runner.wire import readable
-from geoswarm.solver.system.environment import numerics
 from geoswarm.solver.system.processes import child_program
+from geoswarm.workers.child_process import child_environment, hand_over
 from geoswarm.workers.coordinator.runtime import Runtime
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.identity import Identity
@@ -142,22 +140,14 @@ class Supervisor:
             [sys.executable, "-c", BOOTSTRAP],
             stdin=subprocess.PIPE,
             pass_fds=(*ends, slots),
-            env=without_secrets(os.environ) | numerics(),  # what it needs of them comes over its standard input
+            env=child_environment(),
             process_group=0,  # Ctrl-C in a terminal reaches this process alone, which then ends its workers in order
         )
         identity = Identity.new("embedded", process.pid)
-        given = {
-            "path": sys.path,
-            "settings": self.settings.model_dump(),
-            "worker_id": identity.id,
-            "database_file": self.runtime.store.file,
-            "waker": ends,
-            "slots": slots,
-            "log_level": logging.getLogger().getEffectiveLevel(),
-        }
+        given = hand_over(self.runtime.store, self.settings, worker_id=identity.id, waker=ends, slots=slots)
         with contextlib.suppress(BrokenPipeError):  # died at once: the watch sees it
             if process.stdin is not None:
-                process.stdin.write(json.dumps(given).encode() + b"\n")
+                process.stdin.write(given)
                 process.stdin.flush()
         return _Child(process, identity, time.monotonic())
 

@@ -11,15 +11,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from geoswarm.solver.runner.isolated import isolate_foreign_models
+from geoswarm.workers.child_process import open_store, take_over
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.execution.slots import Slots
 from geoswarm.workers.execution.worker import Worker
 from geoswarm.workers.hosts.embedded import PipeWaker
 from geoswarm.workers.identity import Identity, this_machine
-from geoswarm.workers.logs import start_logging
 from geoswarm.workers.operations.sweep import Sweeper, with_signals
 from geoswarm.workers.settings import Settings
-from geoswarm.workers.store import Store
 from geoswarm.workers.tracing import start_tracing
 
 __all__ = ["main"]
@@ -29,17 +28,15 @@ log = logging.getLogger(__name__)
 
 def main(given: Mapping[str, Any]) -> None:
     """Work until the parent asks for the end, or dies."""
-    start_logging(given["log_level"])
+    settings = take_over(given)
     start_tracing("worker")
-    settings = Settings(**given["settings"])
     if settings.isolate:
         isolate_foreign_models(settings.build_memory_mb, settings.passed_environment)
     read_end, write_end = given["waker"]
     waker = PipeWaker(settings.workers, (read_end, write_end))
     identity = Identity(given["worker_id"], socket.gethostname(), os.getpid(), this_machine(), "embedded")
     try:
-        file = given["database_file"]
-        store = Store(settings, None if file is None else tuple(file))
+        store = open_store(given, settings)
         worker = Worker(store, waker, settings, identity, Slots(settings.slots, given["slots"]))
         worker.start()
     except StoreUnavailableError as error:

@@ -9,6 +9,7 @@
 ``migrate``         upgrades the schema at start, with any number of processes starting at once
 ``migrations``      alembic migrations of the database; applied by ``geoswarm.workers.store.migrate``
 ``outbox``          records, in the transaction that ends a job, whom to notify: once committed, no notification is lost
+``prepared``        statements that a connection to PostgreSQL has prepared, executed by libpq
 ``statements``      statements that each exchange executes: built and compiled once, and given to the driver as they are
 ``tables``          tables of the store
 ==================  ====================================================================================================

@@ -28,10 +28,10 @@ Record: TypeAlias = Any
 """A row: its columns are attributes, with the types of :mod:`geoswarm.workers.store.tables`."""
 
 SQLITE_BUSY_SECONDS = 20.0
-RETRIES = 3  # deadlock or serialisation failure: the same function simply runs again
+RETRIES = 3  # deadlock, serialisation failure, prepared statements that are gone: the same function simply runs again
 JOURNAL_BYTES = 16 * 2**20
 SIZE_SECONDS = 5.0  # PostgreSQL looks at every file of the database to tell its size
-RETRY_STATES = ("40001", "40P01")
+RETRY_STATES = ("40001", "40P01", "26000")
 
 
 class Store:

@@ -1,6 +1,7 @@
 """Statements that each exchange executes: built and compiled once, and given to the driver as they are.
 
 SQLAlchemy takes as long to look up a compiled statement and to describe its columns as the database takes to answer.
+On PostgreSQL a single one bypasses psycopg's cursors, too (:mod:`.prepared`).
 """
 
 from __future__ import annotations
@@ -11,9 +12,15 @@ from functools import cache
 from typing import Any
 
 from sqlalchemy import Connection, Insert, Select, Table, Update, bindparam, insert, update
+from sqlalchemy.dialects.postgresql.psycopg import PGDialect_psycopg
 from sqlalchemy.exc import DBAPIError
 
+from geoswarm.workers.store.prepared import PreparedStatements
+
 __all__ = ["Statement", "change", "enter"]
+
+CURSOR, PREPARED = "cursor", "prepared"  # of a connection, for all statements
+NUMBERED: Any = PGDialect_psycopg(paramstyle="numeric_dollar")  # type: ignore[no-untyped-call]
 
 
 class Statement:
@@ -35,7 +42,7 @@ class Statement:
         ------
         sqlalchemy.exc.DBAPIError
         """
-        return list(map(self._make, self._execute(connection, [given], lambda cursor: cursor.fetchall())))
+        return list(map(self._make, self._execute(connection, [given])[0]))
 
     def write(self, connection: Connection, given: Sequence[Mapping[str, Any]]) -> int:
         """Execute it with each of these values; return the number of rows that it wrote.
@@ -44,36 +51,46 @@ class Statement:
         ------
         sqlalchemy.exc.DBAPIError
         """
-        return int(self._execute(connection, given, lambda cursor: cursor.rowcount))
+        return self._execute(connection, given)[1]
 
-    def _execute(self, connection: Connection, given: Sequence[Mapping[str, Any]], answer: Any) -> Any:
+    def _execute(self, connection: Connection, given: Sequence[Mapping[str, Any]]) -> tuple[Sequence[Any], int]:
+        """Return the rows and the number of rows written."""
         dialect = connection.dialect
-        text, fixed, order = self._compiled.get(dialect.name) or self._compile(dialect)
+        prepared = dialect.name == "postgresql" and len(given) == 1
+        text, fixed, order = self._compile(NUMBERED if prepared else dialect)
         values: list[Any] = [{**fixed, **one} for one in given]
         if order is not None:
             values = [[one[name] for name in order] for one in values]
-        driver = connection.connection
-        cursor = driver.cursor()
+        fairy: Any = connection.connection
+        driver, kept = fairy.driver_connection, fairy.info  # what is kept with a connection goes with it
         try:
+            if prepared:
+                if PREPARED not in kept:
+                    kept[PREPARED] = PreparedStatements(driver)
+                answer: tuple[Sequence[Any], int] = kept[PREPARED].execute(text, values[0])
+                return answer
+            if CURSOR not in kept:
+                kept[CURSOR] = driver.cursor()
+            cursor = kept[CURSOR]
             if len(values) == 1:
                 cursor.execute(text, values[0])
             else:
                 cursor.executemany(text, values)
-            return answer(cursor)
+            return cursor.fetchall() if cursor.description else (), cursor.rowcount
         except dialect.loaded_dbapi.Error as error:  # what SQLAlchemy makes of it
-            dead = dialect.is_disconnect(error, driver, cursor)
+            dead = dialect.is_disconnect(error, driver, None)
             if dead:
                 connection.invalidate(error)
             kind = dialect.loaded_dbapi.Error
             raise DBAPIError.instance(text, values, error, kind, connection_invalidated=dead) from error
-        finally:
-            cursor.close()
 
     def _compile(self, dialect: Any) -> tuple[str, dict[str, Any], Sequence[str] | None]:
-        compiled = self._statement.compile(dialect=dialect)
-        fixed = {name: value for name, value in compiled.params.items() if value is not None}
-        made = (str(compiled), fixed, compiled.positiontup if compiled.positional else None)
-        return self._compiled.setdefault(dialect.name, made)
+        key = dialect.paramstyle
+        if key not in self._compiled:
+            compiled = self._statement.compile(dialect=dialect)
+            fixed = {name: value for name, value in compiled.params.items() if value is not None}
+            self._compiled[key] = (str(compiled), fixed, compiled.positiontup if compiled.positional else None)
+        return self._compiled[key]
 
 
 @cache
