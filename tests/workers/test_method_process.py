@@ -47,16 +47,16 @@ def test_it_makes_the_same_history(desk: AgentDesk, service: JobService) -> None
 
 
 @pytest.mark.parametrize(
-    ("fault", "ended"),
+    ("fault", "limit", "ended"),
     [
-        ("exit", "ended its process (exit status 0)"),
-        ("hang", "did not return within 3 s, and its process was killed"),
+        ("exit", 240.0, "ended its process (exit status 0)"),
+        ("hang", 3.0, "did not return within 3 s, and its process was killed"),
     ],
 )
 def test_a_method_that_ends_or_blocks_its_process_fails_its_job_alone(
-    fault: str, ended: str, desk: AgentDesk, service: JobService, monkeypatch: pytest.MonkeyPatch
+    fault: str, limit: float, ended: str, desk: AgentDesk, service: JobService, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(method_process, "LIMIT_SECONDS", 3.0)
+    monkeypatch.setattr(method_process, "LIMIT_SECONDS", limit)
     fatal = service.submit(grid(fault=fault))[0].id
     innocent = service.submit(line(stopping={"max_evaluations": 12}))[0].id
     work(ByHand(desk))

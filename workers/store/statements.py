@@ -12,15 +12,11 @@ from functools import cache
 from typing import Any
 
 from sqlalchemy import Connection, Insert, Select, Table, Update, bindparam, insert, update
-from sqlalchemy.dialects.postgresql.psycopg import PGDialect_psycopg
 from sqlalchemy.exc import DBAPIError
-
-from geoswarm.workers.store.prepared import PreparedStatements
 
 __all__ = ["Statement", "change", "enter"]
 
 CURSOR, PREPARED = "cursor", "prepared"  # of a connection, for all statements
-NUMBERED: Any = PGDialect_psycopg(paramstyle="numeric_dollar")  # type: ignore[no-untyped-call]
 
 
 class Statement:
@@ -57,7 +53,7 @@ class Statement:
         """Return the rows and the number of rows written."""
         dialect = connection.dialect
         prepared = dialect.name == "postgresql" and len(given) == 1
-        text, fixed, order = self._compile(NUMBERED if prepared else dialect)
+        text, fixed, order = self._compile(_numbered() if prepared else dialect)
         values: list[Any] = [{**fixed, **one} for one in given]
         if order is not None:
             values = [[one[name] for name in order] for one in values]
@@ -66,6 +62,8 @@ class Statement:
         try:
             if prepared:
                 if PREPARED not in kept:
+                    from geoswarm.workers.store.prepared import PreparedStatements  # nobody else needs the driver
+
                     kept[PREPARED] = PreparedStatements(driver)
                 answer: tuple[Sequence[Any], int] = kept[PREPARED].execute(text, values[0])
                 return answer
@@ -91,6 +89,14 @@ class Statement:
             fixed = {name: value for name, value in compiled.params.items() if value is not None}
             self._compiled[key] = (str(compiled), fixed, compiled.positiontup if compiled.positional else None)
         return self._compiled[key]
+
+
+@cache
+def _numbered() -> Any:
+    """Return PostgreSQL's dialect with values as libpq takes them: ``$1``, ``$2`` ..."""
+    from sqlalchemy.dialects.postgresql.psycopg import PGDialect_psycopg
+
+    return PGDialect_psycopg(paramstyle="numeric_dollar")  # type: ignore[no-untyped-call]
 
 
 @cache
