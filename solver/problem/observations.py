@@ -17,7 +17,7 @@ from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.points import Points
 from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
-from geoswarm.solver.problem.readings.units import unit_of_data
+from geoswarm.solver.problem.readings.units import unit_of_axis
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
 from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import UnitError, convert, meant_unit, shown_unit
@@ -185,12 +185,11 @@ def _build(
     issues: list[Issue] = []
     converted = []
     units: dict[str, str | None] = {}
-    for axis, values, given, quantity, base, heading in (
-        ("x", points.x, None if points.by_load else section.x_unit, info.x_quantity, info.x_unit, points.x_heading),
-        ("y", points.y, section.y_unit, info.y_quantity, info.y_unit, points.y_heading),
+    for axis, values, given, base, heading in (
+        ("x", points.x, None if points.by_load else section.x_unit, info.x_unit, points.x_heading),
+        ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
-        needed = "strain" in quantity  # in per cent as often as not
-        unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x", needed=needed)
+        unit, wrong = unit_of_axis(axis, given, info, heading)
         units[axis] = unit
         if wrong is not None:
             issues.append(Issue.about(f"{path}.{axis}_{'unit' if given else 'column'}", wrong, f"{path}."))

@@ -48,6 +48,7 @@ _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of 
 _LISTED = re.compile(r"[,;]\s+")
 _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)
 _SYMBOLS = frozenset("tglAVN")  # in round brackets a unit only where one of its dimension is needed: time, test A
+_FORCE = re.compile(r"force|kraft|\blast\b|\bload\b", re.IGNORECASE)
 _STEP_BEFORE = re.compile(rf"(?:1/10+|0[.,]\d+|10\^?-\d|{PARTS})_", re.IGNORECASE)
 _SLASHES = str.maketrans({"⁄": "/", "∕": "/", "⅟": "1/"})
 _SYMBOL_OVER = re.compile(r"[a-ln-zA-Z]/(?=\w+$)")
@@ -205,7 +206,8 @@ def units_of(heading: str) -> tuple[Named, ...]:
             unit, base = _known(inner, small=True)
         label = " ".join((heading[: bracket.start()] + " " + heading[bracket.end() :]).split()).rstrip("_")
         if unit is not None:
-            symbol = bracket[0][0] == "(" and inner in _SYMBOLS
+            force = inner == "N" and "[" not in heading and _FORCE.search(label) is not None
+            symbol = bracket[0][0] == "(" and inner in _SYMBOLS and not force
             found.append(Named(unit, base, not symbol, inner, label or heading))
         elif inner and (bracket[0][0] != "(" or _is_no_unit(inner)):
             found.append(Named(None, None, True, inner, heading))

@@ -25,6 +25,8 @@ _WORDS = {
     "Pa": "pascal",
     "mH2O": "mh2o mws",
     "cmH2O": "cmh2o cmws",
+    "ftH2O": "fth2o",
+    "inH2O": "inh2o",
     "mmHg": "mmhg",
     "kPa": "kpa kilopascal kilopascals",
     "MPa": "mpa megapascal megapascals",
@@ -52,7 +54,8 @@ _WORDS = {
 ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {
     "per mille": "permille",
     "mm hg": "mmHg",
-    **{f"{unit} {water}": f"{unit}H2O" for unit in ("m", "cm") for water in ("ws", "h2o")},
+    **{f"{unit} {water}": f"{unit}H2O" for unit in ("m", "cm") for water in ("ws", "h2o", "h₂o")},
+    **{f"{unit} {water}": f"{unit}H2O" for unit in ("ft", "in") for water in ("h2o", "h₂o")},
 }
 """What laboratories write, in lower case, and what the registry of units (or a problem file) calls it."""
 
