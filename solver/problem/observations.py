@@ -327,6 +327,8 @@ def _checked_x(
             found += f"; {len(places)} points are, {number(min(values))} to {number(max(values))}{_suffix(unit)}"
         if low == 0.0 and not (x > slack).any():
             return x, (f"{found}; ", setting("x_factor", "-1"), " turns the sign")
+        if low == 0.0 and (x >= low).any() and not (x > high + slack).any():
+            return x, (f"{found}; ", setting("x_from", "0"), " leaves out what is below 0")
         reached = _SPANNED * high, high + slack  # by the readings of a whole test
         meant = meant_unit(float(x.max()), info.x_unit, lambda value: reached[0] <= value <= reached[1], given=unit)
         if meant is not None:

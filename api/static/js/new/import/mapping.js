@@ -142,7 +142,7 @@ export function mapping(file, content, context, act) {
     const base = info()?.[`${axis}_unit`];
     const listed = unitsOf(loadsAsX(info(), axis, file.columns[state[axis]]) ? "kPa" : base ?? file.columns[state[axis]]?.base ?? "");
     const dates = axis === "x" && ["time", "clock"].includes(file.columns[state.x]?.kind);
-    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; made.classList.toggle("asked", !value); if (byLoad(info(), axis)) load(); else show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
+    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; state.given[axis] = value; made.classList.toggle("asked", !value); if (byLoad(info(), axis)) load(); else show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
     if (dates) made.querySelector("input").readOnly = true;
     return made;
   }
