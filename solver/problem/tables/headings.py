@@ -50,6 +50,7 @@ _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt
 _SYMBOLS = frozenset("tglAVN")  # in round brackets a unit only where one of its dimension is needed: time, test A
 _FORCE = re.compile(r"force|kraft|\blast\b|\bload\b", re.IGNORECASE)
 _STEP_BEFORE = re.compile(rf"(?:1/10+|0[.,]\d+|10\^?-\d|{PARTS})_", re.IGNORECASE)
+_AND = frozenset(("und", "and", "or", "bzw.", "bzw", "resp."))
 _SLASHES = str.maketrans({"⁄": "/", "∕": "/", "⅟": "1/"})
 _SYMBOL_OVER = re.compile(r"[a-ln-zA-Z]/(?=\w+$)")
 _VALUE_BEFORE = re.compile(
@@ -244,12 +245,15 @@ def _outside(text: str, heading: str) -> Iterable[Named]:
         text = text.replace("_", " ")
     for found in _IN.finditer(text):
         words = text[found.end() :].split()
-        for count in range(min(3, len(words)), 0, -1):
+        for count in range(min(4, len(words)), 0, -1):
             given = " ".join(words[:count]).strip(",;:")
             unit, base = _known(given, small=True)
             if unit is not None:
                 label = " ".join([*text[: found.start()].split(), *words[count:]]) or heading
                 yield Named(unit, base, len(given) > 1, given, label)
+                further = _known(words[count + 1], small=True) if len(words) > count + 1 else (None, None)
+                if further[1] == base and words[count].casefold() in _AND:
+                    yield Named(*further, True, words[count + 1], label)  # "in h und min"
                 return
             if _is_no_unit(given):
                 yield Named(None, None, True, given, heading)

@@ -29,6 +29,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
     (_HEAVE, ("heave",)),
+    (r"höhe\b|hoehe\b|\bheight\b(?! change)(?<!change in height)(?<!change of height)", ("height",)),
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
     (r"überdruck|ueberdruck|excess pore|excess pwp|^(delta|[dδ∆]) ?u$", ("excess_pore_pressure", "pore_pressure")),
     (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),

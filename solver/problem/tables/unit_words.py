@@ -72,7 +72,10 @@ ATOMS = frozenset(
 )
 """What a unit may be made of: the registry knows many words (rod, point, e) that mean something else in headings."""
 
-PARTS = r"zehntel|hundertstel|tausendstel|tenths?|hundredths?|thousandths?|(?:1\s?/\s?)?10{1,6}\s?-?(?:stel|tel|th[s]?)"
+PARTS = (
+    r"zehntel|hundertstel|tausendstel|tenths?\b|hundredths?\b|thousandths?\b"
+    r"|(?:1\s?/\s?)?10{1,6}\s?-?(?:stel|tel|th[s]?)"
+)
 """Words for parts of a unit, as a regular expression."""
 
 _QUANTITY = r"[∆Δδ]?(?:[a-zα-ω]{1,3}|sigma|eps(?:ilon)?|gamma)_?[\d₀-₉]?['’′]?"

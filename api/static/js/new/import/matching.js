@@ -26,8 +26,8 @@ function dimensionOf(unit) {
   return ["day", "m", "kPa", "degree", "dimensionless"].find((base) => unitsOf(base).includes(plainBase(unit))) ?? null;
 }
 
-/** Whether a column is a heave, whose sign is to be asked for. */
-const rises = (column) => column.quantities.includes("heave");
+/** Whether a column is a heave, whose sign is to be asked for, or a height: lengths, and no settlements. */
+const otherLength = (column) => ["heave", "height"].some((one) => column.quantities.includes(one));
 
 /** Whether x are numbers of stages, which the service finds by their loads, too. */
 export const byLoad = (info, axis) => axis === "x" && info?.x_quantity === "stage";
@@ -91,14 +91,14 @@ export function columnOfY(file, info) {
   const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => column.kind === "number");
   const named = usable.map((one) => ({ ...one, place: meaning(one.column, info) })).filter(({ place }) => place >= 0);
   named.sort((one, other) => one.place - other.place || one.i - other.i);
-  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit) && !rises(column));
+  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit) && !otherLength(column));
   return named[0]?.i ?? (alike.length === 1 ? alike[0].i : null) ?? usable.find(({ column }) => key(column.label) === "y")?.i ?? null;
 }
 
 /** The only series and column whose units, and those of a column of x, belong together, where no word says so. */
 function byUnits(file, pairs) {
   const fits = (column, unit) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(unit);
-  const found = pairs.filter(({ info, column, y }) => !rises(column) && fits(column, info.y_unit) && file.columns.some((one, i) => i !== y && fits(one, info.x_unit)));
+  const found = pairs.filter(({ info, column, y }) => !otherLength(column) && fits(column, info.y_unit) && file.columns.some((one, i) => i !== y && fits(one, info.x_unit)));
   return found.length === 1 ? found[0] : undefined;
 }
 
