@@ -54,3 +54,14 @@ def test_a_time_of_a_formula_is_no_number_of_a_row(embedded: Site, visit: Visit)
     page, _ = visit(embedded, "/new?example=formula")
     mapping = drop(page, "No;Zeit;Setzung [mm]\n1;0,5;1\n2;1,5;2\n")
     expect(chosen(mapping, "Column of x")).to_have_text("Zeit")
+
+
+def test_noise_before_a_test_is_asked_for(embedded: Site, visit: Visit) -> None:
+    """The problem was refused after the readings were taken."""
+    page, _ = visit(embedded, "/new?example=triaxial")
+    mapping = drop(page, "eps [%];q [kPa]\n-0,01;1\n0;2\n0,5;9\n")
+    series = mapping.get_by_label("Series", exact=True)
+    series.select_option(series.locator("option", has_text=re.compile(r"^cell_50\.q:")).get_attribute("value"))
+    mapping.get_by_label("Leave out readings (1) before axial strain 0").check()
+    page.locator("#take").click()
+    expect(yaml(page)).to_have_value(re.compile("x_from: 0\n"))

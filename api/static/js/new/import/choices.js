@@ -6,7 +6,7 @@ export const CELLS = "cells"; // a column that is given by its letters, cells or
 
 /** What is chosen at first; `more` holds what few files need. */
 export function beginning() {
-  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, together: false, staged: false, found: {}, given: {}, more: {} };
+  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, from0: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, together: false, staged: false, found: {}, given: {}, more: {} };
 }
 
 /** Columns and units for a series that was chosen. */
