@@ -327,13 +327,6 @@ def test_a_unit_of_one_letter_that_does_not_fit_is_no_unit_to_write_another_one_
     )
 
 
-@pytest.mark.parametrize("heading", ["Force (N)", "Last (N)", "load_(N)"])
-def test_newtons_of_a_force_are_no_symbol(heading: str, tmp_path: Path) -> None:
-    """The unit of the series was offered: it made kPa of the newtons."""
-    told = refused(tmp_path, "q.csv", f"eps [-];{heading}\n0.001;10\n0.01;40\n", x_column="eps", y_column=heading)
-    assert "is in N, a force, but the series needs a stress" in told
-
-
 def test_the_letters_of_a_column_are_no_unit(tmp_path: Path) -> None:
     rows = "\n".join(f"0.{number};0;0;0;0;0;0;{number}" for number in range(1, 4))
     (tmp_path / "a.csv").write_text(rows, encoding="utf-8")

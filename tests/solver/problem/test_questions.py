@@ -213,3 +213,10 @@ def test_doubts_and_units_of_columns_that_are_given_are_asked_together(tmp_path:
     for one in (asked, dates):
         assert "decimal_sign: comma reads 1" in one
         assert "y_unit: " in one
+
+
+@pytest.mark.parametrize("heading", ["Force (N)", "Last (N)", "load_(N)"])
+def test_newtons_of_a_force_are_no_symbol(heading: str, tmp_path: Path) -> None:
+    """The unit of the series was offered: it made kPa of the newtons."""
+    told = refused(tmp_path, "q.csv", f"eps [-];{heading}\n0.001;10\n0.01;40\n", x_column="eps", y_column=heading)
+    assert "is in N, a force, but the series needs a stress" in told
