@@ -17,7 +17,7 @@ from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.points import Points
 from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
-from geoswarm.solver.problem.readings.units import unit_of_data
+from geoswarm.solver.problem.readings.units import unit_of_axis
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
 from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import UnitError, convert, meant_unit, shown_unit
@@ -185,12 +185,11 @@ def _build(
     issues: list[Issue] = []
     converted = []
     units: dict[str, str | None] = {}
-    for axis, values, given, quantity, base, heading in (
-        ("x", points.x, None if points.by_load else section.x_unit, info.x_quantity, info.x_unit, points.x_heading),
-        ("y", points.y, section.y_unit, info.y_quantity, info.y_unit, points.y_heading),
+    for axis, values, given, base, heading in (
+        ("x", points.x, None if points.by_load else section.x_unit, info.x_unit, points.x_heading),
+        ("y", points.y, section.y_unit, info.y_unit, points.y_heading),
     ):
-        needed = "strain" in quantity  # in per cent as often as not
-        unit, wrong = unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x", needed=needed)
+        unit, wrong = unit_of_axis(axis, given, info, heading)
         units[axis] = unit
         if wrong is not None:
             issues.append(Issue.about(f"{path}.{axis}_{'unit' if given else 'column'}", wrong, f"{path}."))
@@ -328,6 +327,8 @@ def _checked_x(
             found += f"; {len(places)} points are, {number(min(values))} to {number(max(values))}{_suffix(unit)}"
         if low == 0.0 and not (x > slack).any():
             return x, (f"{found}; ", setting("x_factor", "-1"), " turns the sign")
+        if low == 0.0 and (x >= low).any() and not (x > high + slack).any():
+            return x, (f"{found}; ", setting("x_from", "0"), " leaves out what is below 0")
         reached = _SPANNED * high, high + slack  # by the readings of a whole test
         meant = meant_unit(float(x.max()), info.x_unit, lambda value: reached[0] <= value <= reached[1], given=unit)
         if meant is not None:

@@ -17,7 +17,7 @@ from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem.issues import number, validated
 from geoswarm.solver.problem.observation_section import ObservationSection
-from geoswarm.solver.problem.questions import columns_question, sign_question
+from geoswarm.solver.problem.questions import columns_question, further_doubts, sign_question
 from geoswarm.solver.problem.readings.joined import BlockError, BlockSection, joined
 from geoswarm.solver.problem.readings.preparation import Preparation, PreparationError, Readings, prepared
 from geoswarm.solver.problem.readings.units import UNSTATED
@@ -27,7 +27,7 @@ from geoswarm.solver.problem.tables.cells import file_content, read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
-from geoswarm.solver.problem.tables.reading import TableError, UnnamedColumnsError
+from geoswarm.solver.problem.tables.reading import DoubtError, TableError, UnnamedColumnsError
 from geoswarm.solver.problem.text.reading import read_document
 from geoswarm.solver.sentences import Key, relative
 from geoswarm.solver.units import UnitError, convert
@@ -246,6 +246,9 @@ def _table(
         except UnnamedColumnsError as error:
             asked = columns_question(section, content, name, spec)
             return None, [], [Issue.about(at, asked, f"{path}.")] if asked else error.issues(at, f"{path}.")
+        except DoubtError as error:
+            read_again = functools.partial(table_of, content, name, read=read)
+            return None, [], error.issues(at, f"{path}.") + further_doubts(section, path, read_again, part, error, spec)
         except TableError as error:
             return None, [], error.issues(at, f"{path}.")
     if section.blocks is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.tables.alterations import Alteration
 from geoswarm.solver.problem.tables.headings import Heading, best_unit, unclear_unit
@@ -9,12 +10,21 @@ from geoswarm.solver.problem.tables.picking import is_cells
 from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.units import UnitError, convert, same_unit
 
-__all__ = ["UNSTATED", "USUAL", "unit_of_data"]
+__all__ = ["UNSTATED", "USUAL", "unit_of_axis", "unit_of_data"]
 
 UNSTATED = "unstated"
 """Instead of a unit, where readings come from a file that names none: right for numbers without dimension only."""
 USUAL = {"m": "mm, cm or m", "day": "s, min, h or day", "kPa": "kPa, MPa or kg/cm2", "degree": "degree or rad"}
 """Units that laboratories write, as examples."""
+
+
+def unit_of_axis(
+    axis: str, given: str | None, info: SeriesInfo, heading: Heading | None
+) -> tuple[str | None, Sentence | None]:
+    """Unit of the data along x or y of a series, and what is wrong, as :func:`unit_of_data`."""
+    quantity, base = (info.x_quantity, info.x_unit) if axis == "x" else (info.y_quantity, info.y_unit)
+    needed = "strain" in quantity  # in per cent as often as not
+    return unit_of_data(axis, given, base, heading, unitless=info.x_quantity == "x", needed=needed)
 
 
 def unit_of_data(

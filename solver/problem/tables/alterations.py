@@ -22,9 +22,10 @@ ALTERED: dict[Alteration, str] = {
 """What is said of a column."""
 
 _SCALED = (
-    r"[×*·÷]\s*\d|(?<![^\W\d_])x\s*(?:10|0[.,])|\d+\s*[×*·]|(?<![\d.,])10+\s*x|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
+    r"[×*·÷]\s*\d|(?<![^\W\d_])x\s*(?:\d\d|0[.,])|\d+\s*[×*·]|(?<![\d.,])10+\s*x|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
     r"|(?<!\w)1e\d|(?<![^\W\d_])(?:\d[\d.,]*)?e[-+]\d|(?<![\w.,/])1\s?/\s?10+(?!\d)|(?<![\d.,])0?[.,]0*1(?![\d.,])|/[₀-₉]"
     rf"|(?<!\w)(?:{PARTS})(?![^\W\d])|(?<![\d:])(?:10+\s?:\s?1|1\s?:\s?10+)(?![\d:])|(?<![\d/])\s*/\s*10+(?![\d/])|fa[ck]tor\s*[=:]?\s*\d|(?<!\w)[½⅓¼¾]"
+    r"|\0[\])}]?\s?/\s?\d|^\d\s?/\s?\d\s*(?=[^\W\d])|^(?:halbe|doppelte|half|double|twice)[rns]?\s"
     r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
 )
 _OF_FULL_SCALE = r"\0[\])]?\s?(?:of )?(?:full[ -]?scale|fs(?!\w))"

@@ -23,7 +23,7 @@ from geoswarm.solver.problem.tables.headings import (
 )
 from geoswarm.solver.problem.tables.numerals import two_readings
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell, Covered
-from geoswarm.solver.problem.tables.quantities import quantities_of
+from geoswarm.solver.problem.tables.quantities import dimension_of, quantities_of
 from geoswarm.solver.problem.tables.reading import cell_number
 
 __all__ = [
@@ -56,12 +56,6 @@ _UNIT_COLUMN = re.compile(r"(?:maß|mass)?einheit(?:en)?|units?", re.IGNORECASE)
 _ALL = re.compile(r"(?:alle?\s+)?(?:(?:mess)?werte|values|readings|angaben)|einheit(?:en)?|units?", re.IGNORECASE)
 _NO_WORDS = re.compile(r"[\[\](){}:]|\bin\b", re.IGNORECASE)
 _TITLE_WORDS = re.compile(r"\b(?:alle?|sind|are|values|werte)\b", re.IGNORECASE)
-_DIMENSIONS = (
-    ("day", r"time"),
-    ("m", r"settlement|\w+_displacement"),
-    ("dimensionless", r"\w+_strain"),
-    ("kPa", r"\w+_stress|\w*pore_pressure|[pq]"),
-)
 SAMPLE = 2000
 """Rows that show where a table is, and what separates its columns."""
 
@@ -305,7 +299,7 @@ def _header(rows: Rows, place: int, below: int) -> list[str]:
             name = _with_unit(name, spanning[index])
         for meant, unit in titles if name else ():
             named = quantities_of(without_brackets(name))[:1]
-            if named and _dimension(named[0]) == known_unit(unit)[1] and meant in ("", named[0]):
+            if named and dimension_of(named[0]) == known_unit(unit)[1] and meant in ("", named[0]):
                 name = _with_unit(name, unit)
         header.append(name)
     return header
@@ -358,10 +352,6 @@ def _titles(rows: Rows, place: int) -> list[tuple[str, str]]:
         elif meant:
             found.append((meant[0], unit))
     return found
-
-
-def _dimension(quantity: str) -> str | None:
-    return next((base for base, words in _DIMENSIONS if re.fullmatch(words, quantity)), None)
 
 
 def _with_unit(name: str, unit: str) -> str:

@@ -46,6 +46,7 @@ _SUMMARY = re.compile(
 _PEST = re.compile(r"\s*(?:(pcf)(?:\s+version\b.*)?|(?:pif|[pj]tf)\s+[^\w\s])\s*$", re.IGNORECASE | re.MULTILINE)
 _WORD = re.compile(r"[^\W\d_]{3}")
 _SOME_ROWS = 3
+_MANY_ROWS = 50
 _TITLES = 10
 _LONGEST_LINE = 200
 _FIRST_FACTORS = 20
@@ -222,9 +223,10 @@ def _rows(lines: list[tuple[int, str]], name: str, separator: str) -> list[tuple
 
 
 def _without_heading(lines: list[tuple[int, str]]) -> str:
-    """Blanks where they separate the numbers of the first line, and no comma does."""
-    cells = lines[0][1].split() if lines else []
-    return BLANKS if len(cells) > 1 and all(cell_number(cell) is not None for cell in cells) else ","
+    """Blanks where they separate the numbers of the first lines, and no comma does."""
+    first, second = ([*(line.split() for _, line in lines[:2]), [], []])[:2]
+    numbers = [cell_number(cell) is not None for cell in first]
+    return BLANKS if sum(numbers) > 1 and (all(numbers) or len(second) == len(first)) else ","
 
 
 def _filled(rows: list[list[Cell]]) -> list[tuple[int, list[Cell]]]:
@@ -280,7 +282,7 @@ def _sheet(
     if block is not None and (block.named or not _only_numbers(rows[0][1])):
         return Sheet(sheets, sheet, comments, rows[block.place][0], block.header, _body(rows, block), grid)
     line, cells = rows[first]
-    if _only_numbers(cells):
+    if _only_numbers(cells) or _continues(cells, [row for _, row in rows[first + 1 : first + _MANY_ROWS]]):
         return Sheet(sheets, sheet, comments, line, [], rows[first:], grid)
     return Sheet(sheets, sheet, comments, line, [shown(cell) for cell in cells], rows[first + 1 :], grid)
 
@@ -305,6 +307,21 @@ def _is_summary(row: list[Cell], first: list[Cell]) -> bool:
         isinstance(cell, str) and _SUMMARY.fullmatch(cell) is not None and not unit_of_cell(above)
         for cell, above in zip_longest(row, first[: len(row)], fillvalue="")
     )
+
+
+def _continues(row: list[Cell], below: list[list[Cell]]) -> bool:
+    """Whether the rows below go on with what a row has: numbers in the same columns, texts of the same form."""
+    numbers, first = ({i for i, cell in enumerate(one) if is_reading(cell)} for one in [row, *below, []][:2])
+    if len(numbers) < 2 or not first or not first <= numbers:
+        return False
+    texts = [(place, _form(cell)) for place, cell in enumerate(row) if cell != "" and place not in numbers]
+    return all(any(_form(other[place]) == form for other in below if place < len(other)) for place, form in texts)
+
+
+def _form(cell: Cell) -> str:
+    """Capitals, small letters and figures of a text: ``A0`` of ``S1``."""
+    text = re.sub(r"[^\W\d_]", lambda found: "A" if found[0].isupper() else "a", str(cell))
+    return re.sub(r"\d+", "0", text)
 
 
 def _only_numbers(row: list[Cell]) -> bool:

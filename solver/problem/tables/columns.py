@@ -46,7 +46,7 @@ from geoswarm.solver.problem.tables.picking import (
     text_of,
 )
 from geoswarm.solver.problem.tables.plain_tables import plain_numbers
-from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.tables.reading import DoubtError, TableError
 from geoswarm.solver.sentences import Sentence, setting
 
 __all__ = ["Columns", "Table", "table_of"]
@@ -300,7 +300,7 @@ class _Reader:
         values = {role: [numbers[i] for i in kept] for role, numbers in values.items()}
         zero = None
         if moments is not None:
-            zero = wanted.origin or moments[kept[0]]
+            zero = wanted.origin or min(moments[i] for i in kept)
             values["x"] = [(moments[i] - zero).total_seconds() / 86400 for i in kept]
         marks = self.columns.get("gross_error")
         marked = [] if marks is None else [place for place, i in enumerate(kept) if is_mark(marks.cells[i][1])]
@@ -328,9 +328,9 @@ class _Reader:
         for i, (_, cell) in enumerate(x.cells):
             moment = None if cell == doubtful else moment_in(cell, form)
             if moment is None and form is None and is_moment(cell):
-                other = "year" if cell == doubtful else "month"
+                other, assumed = ("year", "year_first") if cell == doubtful else ("month", "day_first")
                 told = f"{self._name}, column {x.name}: '{cell}' is a date whose day or {other} may be first; give "
-                raise TableError((told, _FIRST_OF_DATES))
+                raise DoubtError({"dates": assumed}, (told, _FIRST_OF_DATES))
             if moment is None:
                 self._bad(i, x, f"not a date, such as {expected}")
             elif clock is not None:
@@ -367,7 +367,7 @@ class _Reader:
             told: Sentence = (f"'{doubtful}' may have thousands; say how it is written",)
             for between, (sign, value) in zip((": ", ", "), two_readings(doubtful).items(), strict=False):
                 told = *told, between, setting("decimal_sign", sign), f" reads {value:.15g}"
-            raise TableError((f"{self._name} line {line}, column {column.name}: ", *told))
+            raise DoubtError({"decimal": sign}, (f"{self._name} line {line}, column {column.name}: ", *told))
 
     def _bad(self, row: int, column: Picked, what: str) -> None:
         line, cell = column.cells[row]

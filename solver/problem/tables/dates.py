@@ -38,7 +38,7 @@ DATES_ACCEPTED = "2024-03-01 08:30 or 01.03.2024 08:30"
 # dates: strptime takes ten times as long.
 _BEHIND = r"(?:,?\s+(?:[-–]\s+)?(\d{1,2}):(\d{1,2})(?::(\d{1,2})(?:[.,]\d{1,6})?)?\s?([AaPp][Mm]|Uhr|h)?)?"
 _NUMBERS = re.compile(rf"(\d{{1,2}})([./-])\s?(\d{{1,2}})\2\s?(\d{{4}}|\d{{2}}){_BEHIND}", re.ASCII)
-_YEAR_FIRST = re.compile(rf"(\d{{4}})[/.](\d{{1,2}})[/.](\d{{1,2}}){_BEHIND}", re.ASCII)
+_YEAR_FIRST = re.compile(rf"(\d{{4}})([/.-])(\d{{1,2}})\2(\d{{1,2}}){_BEHIND}", re.ASCII)
 _NAMED = re.compile(
     r"(?:(\d{1,2})(?:\.|[snrt][tdh])?[\s/-]*([A-Za-zÄä]{3,9})[.,]?[\s/-]*"
     r"|([A-Za-zÄä]{3,9})\.?[\s/-]*(\d{1,2})(?:[snrt][tdh])?[.,\s/-]+)"
@@ -101,12 +101,12 @@ def moment_in(cell: Cell, form: DateForm | None = None) -> datetime | None:
 
 
 def _spelled_out(cell: str) -> datetime | None:
-    """A date with the year first, ``2024/03/01``, or with the name of its month, German or English."""
+    """A date with the year first, ``2024/03/01`` or ``2024-3-1``, or with the name of its month, German or English."""
     if (plain := _WEEKDAY.sub("", cell, count=1)) != cell:
         return moment_in(plain)
     found = _YEAR_FIRST.fullmatch(cell)
     if found is not None:
-        return _moment(found[1], int(found[2]), found[3], found.groups()[3:])
+        return _moment(found[1], int(found[3]), found[4], found.groups()[4:])
     found = _NAMED.fullmatch(cell)
     name = "" if found is None else (found[2] or found[3]).casefold()
     if found is None or _MONTH.fullmatch(name) is None:

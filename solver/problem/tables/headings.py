@@ -48,7 +48,9 @@ _COMMENT = re.compile(r"(?<![\w.])([\w.]+) in ([^\s,;]+)")  # from the start of 
 _LISTED = re.compile(r"[,;]\s+")
 _STEPS = re.compile(r"(?:\S+ )?(?:divs?\.?|divisions?|digits?|counts?|ticks?|skt\.?|skalenteile?n?)", re.IGNORECASE)
 _SYMBOLS = frozenset("tglAVN")  # in round brackets a unit only where one of its dimension is needed: time, test A
+_FORCE = re.compile(r"force|kraft|\blast\b|\bload\b", re.IGNORECASE)
 _STEP_BEFORE = re.compile(rf"(?:1/10+|0[.,]\d+|10\^?-\d|{PARTS})_", re.IGNORECASE)
+_AND = frozenset(("und", "and", "or", "bzw.", "bzw", "resp."))
 _SLASHES = str.maketrans({"⁄": "/", "∕": "/", "⅟": "1/"})
 _SYMBOL_OVER = re.compile(r"[a-ln-zA-Z]/(?=\w+$)")
 _VALUE_BEFORE = re.compile(
@@ -205,7 +207,8 @@ def units_of(heading: str) -> tuple[Named, ...]:
             unit, base = _known(inner, small=True)
         label = " ".join((heading[: bracket.start()] + " " + heading[bracket.end() :]).split()).rstrip("_")
         if unit is not None:
-            symbol = bracket[0][0] == "(" and inner in _SYMBOLS
+            force = inner == "N" and "[" not in heading and _FORCE.search(label) is not None
+            symbol = bracket[0][0] == "(" and inner in _SYMBOLS and not force
             found.append(Named(unit, base, not symbol, inner, label or heading))
         elif inner and (bracket[0][0] != "(" or _is_no_unit(inner)):
             found.append(Named(None, None, True, inner, heading))
@@ -242,12 +245,15 @@ def _outside(text: str, heading: str) -> Iterable[Named]:
         text = text.replace("_", " ")
     for found in _IN.finditer(text):
         words = text[found.end() :].split()
-        for count in range(min(3, len(words)), 0, -1):
+        for count in range(min(4, len(words)), 0, -1):
             given = " ".join(words[:count]).strip(",;:")
             unit, base = _known(given, small=True)
             if unit is not None:
                 label = " ".join([*text[: found.start()].split(), *words[count:]]) or heading
                 yield Named(unit, base, len(given) > 1, given, label)
+                further = _known(words[count + 1], small=True) if len(words) > count + 1 else (None, None)
+                if further[1] == base and words[count].casefold() in _AND:
+                    yield Named(*further, True, words[count + 1], label)  # "in h und min"
                 return
             if _is_no_unit(given):
                 yield Named(None, None, True, given, heading)

@@ -19,7 +19,6 @@ from geoswarm.solver.problem.tables.cells import (
 from geoswarm.solver.problem.tables.dates import doubtful_date, elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
-    Named,
     best_unit,
     guess_unit,
     heading_of,
@@ -31,7 +30,7 @@ from geoswarm.solver.problem.tables.packed import FORMULA, Cell, column_letters
 from geoswarm.solver.problem.tables.picking import Picked, lying_rows, units_beside
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import TableError
-from geoswarm.solver.units import convert
+from geoswarm.solver.units import base_unit, convert
 from geoswarm.solver.words import listed
 
 __all__ = ["Column", "Measurements", "read_measurements"]
@@ -61,12 +60,14 @@ class Column:
         Unit that the heading or a comment seems to name, as a problem file writes it; None when none was found.
     base
         Base unit of that dimension (day, m, kPa, degree, dimensionless); None without a unit.
+    other_unit
+        Unit that it certainly names, of a dimension that no series has, such as kN; None for others.
     unclear
         Why the heading leaves the unit open though it names some; None where it does not, or names none.
     quantities
         What its words may stand for, the likeliest first: ``settlement``, ``time``, ``specimen``.
     kind
-        ``number``; ``time`` for dates, whose values are days since the first; ``clock`` for times of day; ``text``.
+        ``number``; ``time`` for dates, whose values are days since the earliest; ``clock`` for times of day; ``text``.
     values
         One a row; None for empty cells and those that are no finite number, or may be several. Empty for text.
     bad
@@ -85,6 +86,7 @@ class Column:
     label: str
     unit: str | None
     base: str | None
+    other_unit: str | None
     unclear: str | None
     quantities: tuple[str, ...]
     kind: Literal["number", "time", "clock", "text"]
@@ -225,7 +227,7 @@ def _column(
     elif kind == "time":
         form = form_of(cells)
         moments = [moment_in(cell, form) for cell in cells]
-        first = next((moment for moment in moments if moment is not None), None)
+        first = min((moment for moment in moments if moment is not None), default=None)
         values = tuple(
             None if moment is None or first is None else (moment - first).total_seconds() / 86400 for moment in moments
         )
@@ -234,7 +236,9 @@ def _column(
     named = with_factors(whole, factors).named
     best = best_unit(named, BASES)
     several = f"is in {listed(units)}" if len(units) > 1 else None
-    unclear = several or unclear_unit(named) or (None if best is not None else _other_quantity(best_unit(named)))
+    other = best_unit(named) if best is None else None
+    other_unit = other.unit if other is not None and other.certain else None
+    unclear = several or unclear_unit(named) or (other_unit and _other_quantity(other_unit))
     best = best if unclear is None else None
     read = sum(value is not None for value in values)
     shown = tuple(_shown(cell) for cell in cells[:_FIRST_ROWS])
@@ -244,6 +248,7 @@ def _column(
         label,
         None if best is None else best.unit,
         None if best is None else best.base,
+        other_unit,
         unclear,
         quantities_of(label),
         kind,
@@ -255,14 +260,12 @@ def _column(
     )
 
 
-def _other_quantity(named: Named | None) -> str | None:
-    """What a column is in whose unit no series has; None where it is not certain that this is a unit."""
-    if named is None or named.unit is None or not named.certain:
-        return None
-    if named.base != "kN":
-        return f"is in {named.unit}, which is not a length, time, stress, angle or number"
-    factor = f"{float(convert(1.0, named.unit, 'kN')):g} / A"
-    return f"is in {named.unit}, a force; for a stress in kPa the factor is {factor} with the area A in m2"
+def _other_quantity(unit: str) -> str:
+    """What a column is in whose unit no series has."""
+    if base_unit(unit) != "kN":
+        return f"is in {unit}, which is not a length, time, stress, angle or number"
+    factor = f"{float(convert(1.0, unit, 'kN')):g} / A"
+    return f"is in {unit}, a force; for a stress in kPa the factor is {factor} with the area A in m2"
 
 
 def _kind(

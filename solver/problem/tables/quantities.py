@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from geoswarm.solver.problem.tables.unit_words import PARTS
 
-__all__ = ["factor_in", "is_column_of_factors", "is_heave", "quantities_of"]
+__all__ = ["dimension_of", "factor_in", "is_column_of_factors", "is_heave", "is_load", "quantities_of"]
 
 _HEAVE = (
     r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
@@ -28,8 +29,9 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
     (_HEAVE, ("heave",)),
+    (r"höhe\b|hoehe\b|\bheight\b(?! change)(?<!change in height)(?<!change of height)", ("height",)),
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
-    (r"überdruck|ueberdruck|excess pore|excess pwp", ("excess_pore_pressure", "pore_pressure")),
+    (r"überdruck|ueberdruck|excess pore|excess pwp|^(delta|[dδ∆]) ?u$", ("excess_pore_pressure", "pore_pressure")),
     (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
     (r"zeit(en)?\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$", ("time",)),
     (r"porenzahl|void[ _-]ratio|^e$", ("void_ratio", "e")),
@@ -48,7 +50,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
         ("shear_strain",),
     ),
     (r"scherspannung|schubspannung|shear[ _-]?stress|^(τ|tau)$", ("shear_stress",)),
-    (r"deviator|^q$", ("q",)),
+    (r"deviator|^q$|^(σ|sigma) ?d(ev)?$|^(σ|sigma) ?[1av] ?[-−–] ?(σ|sigma) ?[3r]$", ("q",)),
     (r"mittlere \w*[ ]?(haupt)?spannung|mean (effective )?stress|^p['’′]?$", ("p", "mean_effective_stress")),
     (
         r"(horizontal|seiten|radial|zell)\w*[ ]?(spannung|spg\b|druck)"
@@ -94,6 +96,25 @@ def quantities_of(label: str) -> tuple[str, ...]:
     """
     plain = _plain(label)
     return next((meant for pattern, meant in _KNOWN if pattern.search(plain)), ())
+
+
+_DIMENSIONS = (
+    ("day", r"time"),
+    ("m", r"settlement|\w+_displacement"),
+    ("dimensionless", r"\w+_strain"),
+    ("kPa", r"\w+_stress|\w*pore_pressure|[pq]"),
+)
+_LOADS = frozenset(("axial_stress", "normal_stress", "effective_stress"))
+
+
+def dimension_of(quantity: str) -> str | None:
+    """Base unit of a quantity, in the words of :func:`quantities_of`; None where that is open."""
+    return next((base for base, words in _DIMENSIONS if re.fullmatch(words, quantity)), None)
+
+
+def is_load(quantities: Iterable[str]) -> bool:
+    """Whether these words mean the load of a stage."""
+    return not _LOADS.isdisjoint(quantities)
 
 
 def is_heave(label: str) -> bool:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from geoswarm.solver.errors import Issue
 from geoswarm.solver.sentences import Sentence, plain
@@ -16,6 +17,7 @@ __all__ = [
     "MAX_TABLE_BYTES",
     "SEPARATORS",
     "WIDE_BLANKS",
+    "DoubtError",
     "TableError",
     "UnnamedColumnsError",
     "cell_number",
@@ -65,6 +67,14 @@ class TableError(Exception):
 
 class UnnamedColumnsError(TableError):
     """Nobody says which columns are those of x and y, and none is called so."""
+
+
+class DoubtError(TableError):
+    """A column can be read in several ways; ``assumed`` is one of the answers, to see what else is open."""
+
+    def __init__(self, assumed: Mapping[str, Any], message: Sentence) -> None:
+        super().__init__(message)
+        self.assumed = assumed
 
 
 def decoded(content: bytes) -> str:

@@ -25,6 +25,8 @@ _WORDS = {
     "Pa": "pascal",
     "mH2O": "mh2o mws",
     "cmH2O": "cmh2o cmws",
+    "ftH2O": "fth2o",
+    "inH2O": "inh2o",
     "mmHg": "mmhg",
     "kPa": "kpa kilopascal kilopascals",
     "MPa": "mpa megapascal megapascals",
@@ -52,7 +54,8 @@ _WORDS = {
 ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()} | {
     "per mille": "permille",
     "mm hg": "mmHg",
-    **{f"{unit} {water}": f"{unit}H2O" for unit in ("m", "cm") for water in ("ws", "h2o")},
+    **{f"{unit} {water}": f"{unit}H2O" for unit in ("m", "cm") for water in ("ws", "h2o", "h₂o")},
+    **{f"{unit} {water}": f"{unit}H2O" for unit in ("ft", "in") for water in ("h2o", "h₂o")},
 }
 """What laboratories write, in lower case, and what the registry of units (or a problem file) calls it."""
 
@@ -69,7 +72,10 @@ ATOMS = frozenset(
 )
 """What a unit may be made of: the registry knows many words (rod, point, e) that mean something else in headings."""
 
-PARTS = r"zehntel|hundertstel|tausendstel|tenths?|hundredths?|thousandths?|(?:1\s?/\s?)?10{1,6}\s?-?(?:stel|tel|th[s]?)"
+PARTS = (
+    r"zehntel|hundertstel|tausendstel|tenths?\b|hundredths?\b|thousandths?\b"
+    r"|(?:1\s?/\s?)?10{1,6}\s?-?(?:stel|tel|th[s]?)"
+)
 """Words for parts of a unit, as a regular expression."""
 
 _QUANTITY = r"[∆Δδ]?(?:[a-zα-ω]{1,3}|sigma|eps(?:ilon)?|gamma)_?[\d₀-₉]?['’′]?"

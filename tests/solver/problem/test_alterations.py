@@ -6,7 +6,7 @@ import pytest
 
 from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import Columns, table_of
-from geoswarm.solver.problem.tables.headings import heading_of
+from geoswarm.solver.problem.tables.headings import guess_unit, heading_of, unclear_unit, units_of
 from geoswarm.solver.problem.tables.quantities import is_heave, quantities_of
 from geoswarm.solver.sentences import plain
 from tests.solver.problem.test_units_beside_headings import NUMBERS, metres
@@ -114,3 +114,28 @@ def test_factors_of_several_channels_and_of_a_calibration() -> None:
     assert "has a factor" in metres(f"Kanal;1;2\nFaktor;1,0;0,01\nZeit [min];Setzung [mm]\n{NUMBERS}")
     assert "has a factor" in metres(f"Kalibrierung: 0,01\nZeit [min];Setzung [mm]\n{NUMBERS}")
     assert metres(f"Faktor 1,0 bei 20 °C\nZeit [min];Setzung [mm]\n{NUMBERS}") == [0.001, 0.002, 0.003]
+
+
+@pytest.mark.parametrize(
+    "heading",
+    ["Setzung [mm] /2", "1/2 Setzung [mm]", "halbe Setzung [mm]", "double amplitude [mm]", "Setzung x 60 [mm]"],
+)
+def test_halves_doubles_and_multiples_are_asked_for(heading: str) -> None:
+    """They were millimetres without a word."""
+    assert unclear_unit(units_of(heading)) is not None
+
+
+def test_two_units_behind_in_are_asked_for() -> None:
+    """The first one was taken."""
+    assert unclear_unit(units_of("Zeit in h und min")) == "names several units, h and min"
+
+
+@pytest.mark.parametrize("heading", ["settlement in thousandths of an inch", "settlement in hundredths of a mm"])
+def test_english_parts_of_units_are_no_seconds(heading: str) -> None:
+    """A refusal said that the column was in 0.001 s."""
+    assert guess_unit(heading)[2] == "m"
+
+
+@pytest.mark.parametrize("heading", ["Setzung [mm] 1)", "Setzung Probe 1/2 [mm]", "Setzungen in mm und Zeiten"])
+def test_notes_and_names_of_specimens_are_no_factors(heading: str) -> None:
+    assert unclear_unit(units_of(heading)) is None

@@ -320,9 +320,9 @@ def test_a_unit_of_one_letter_in_round_brackets_is_used_where_it_fits(
 
 
 def test_a_unit_of_one_letter_that_does_not_fit_is_no_unit_to_write_another_one_beside(tmp_path: Path) -> None:
-    text = "eps [-];Force (N)\n0.001;10\n0.01;40\n"
-    assert refused(tmp_path, "q.csv", text, x_column="eps", y_column="Force (N)") == (
-        "observations[0].y_column: column 'Force (N)' (10, 40, ...) may be in N, but the series has kPa; name another "
+    text = "eps [-];Test (A)\n0.001;10\n0.01;40\n"
+    assert refused(tmp_path, "q.csv", text, x_column="eps", y_column="Test (A)") == (
+        "observations[0].y_column: column 'Test (A)' (10, 40, ...) may be in A, but the series has kPa; name another "
         "column, or give y_unit: kPa, MPa or kg/cm2"
     )
 

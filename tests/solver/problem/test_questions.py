@@ -12,6 +12,7 @@ import yaml
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import TableError, load_problem, problem_yaml, read_measurements
+from tests.solver.problem.test_columns import mistakes
 from tests.solver.problem.test_found_units import document, refused, triaxial
 from tests.solver.problem.test_laboratory_files import sheet_rows
 from tests.solver.problem.test_measurements import workbook
@@ -111,3 +112,111 @@ def test_one_of_several_sheets_alike_belongs_to_the_question(tmp_path: Path) -> 
     rows = sheet_rows(("eps [%]", "q [kPa]"), (0.1, 10), (1, 40))
     keys, y = answered(tmp_path, "a.xlsx", workbook(("1", rows), ("2", rows)))
     assert (keys["sheet"], y) == ("1", [10, 40])
+
+
+@pytest.mark.parametrize(
+    ("content", "keys"),
+    [
+        ("0.1;10;A\n1;40;A\n10;60;B\n", {"x_column": "A:A", "y_column": "B:B"}),
+        ("TMD2;0.1;10\nTMD2;1;40\nTMD22;10;60\n", {"x_column": "B:B", "y_column": "C:C"}),
+        ("0.1 10 MAZA\n1 40 MOCH\n10 60 BLAG\n", {"x_column": "A:A", "y_column": "B:B"}),
+    ],
+)
+def test_the_first_row_of_a_table_without_headings_may_have_texts(
+    content: str, keys: dict[str, str], tmp_path: Path
+) -> None:
+    """It was taken as the headings, and its reading was lost without a word."""
+    read = triaxial(tmp_path, "a.csv", content, **keys, x_unit="%", y_unit="kPa")
+    assert read.x.tolist() == pytest.approx([0.001, 0.01, 0.1])
+    assert read.y.tolist() == [10, 40, 60]
+    assert f"x_column: {keys['x_column']}  # 0.1, 1, 10" in refused(tmp_path, "a.csv", content)
+
+
+def test_loads_may_be_headings(tmp_path: Path) -> None:
+    read = triaxial(
+        tmp_path, "a.csv", "Probe;50;100\nA;1;40\nB;10;60\n", x_column="B:B", x_unit="%", y_column="C:C", y_unit="kPa"
+    )
+    assert read.y.tolist() == [40, 60]
+
+
+@pytest.mark.parametrize(
+    ("content", "lines"),
+    [
+        (  # a cell pressure, a pore pressure, a force and a stroke: nothing is a strain or a deviator yet
+            "Zeit [s];Radialspg. [kPa];Porenwass. [kPa];Kraft [N];Stauchung [mm]\n"
+            "0;450;405;3;0.01\n30;450;407;7;0.02\n",
+            "x_column: Stauchung [mm]  # 0.01, 0.02\nx_unit: dimensionless\n"
+            "x_factor: 0.001 / H  # the height H [m] of the specimen\ny_column: Kraft [N]  # 3, 7\n"
+            "y_unit: kPa\ny_factor: 0.001 / A  # the area A [m2] of the specimen",
+        ),
+        (  # the change of the pore pressure was proposed
+            "Deform_axial;Delta_U_(kPa);Sigma_d_(kPa);Sigma_3_(kPa)\n0;0;0;50\n0.2;2.2;52.9;50\n",
+            "x_column: Deform_axial  # 0, 0.2\nx_unit: dimensionless  # or %\ny_column: Sigma_d_(kPa)  # 0, 52.9",
+        ),
+        (  # noise before the test
+            "Axial Strain;Deviator Stress\n-0.02;1\n0;1.5\n0;1.6\n20;9\n",
+            "x_column: Axial Strain  # -0.02, 0, 0\nx_unit: '%'  # or dimensionless\n"
+            "y_column: Deviator Stress  # 1, 1.5, 1.6\ny_unit: kPa  # or MPa, kg/cm2\nx_from: 0  # x begins at -0.02",
+        ),
+        (  # a stress that rises, a compression that is negative
+            "0\t0\t-99.7\n11\t-0.001\t-102\n277\t-0.2\t-300\n",
+            "x_column: B:B  # 0, -0.001, -0.2\nx_unit: dimensionless  # or %\n"
+            "y_column: A:A  # 0, 11, 277; or C:C: no heading says so\ny_unit: kPa  # or MPa, kg/cm2\n"
+            "x_factor: -1  # no x is above 0",
+        ),
+        (  # the stage that was sheared
+            "Stage Number;Axial Strain [%];q [kPa]\n1;0;0\n1;0.5;2\n2;0;0\n2;9;60\n",
+            "x_column: Axial Strain [%]  # 0, 0.5, 0\ny_column: q [kPa]  # 0, 2, 0\nwhere: {Stage Number: 2}  # or 1",
+        ),
+        (
+            "eps [%];q [kPa]\n0;0\n1;\n2;9\n",
+            "x_column: eps [%]  # 0, 1, 2\ny_column: q [kPa]  # 0, 9\n"
+            "incomplete_rows: leave_out  # 1 row has no number in one of the columns",
+        ),
+    ],
+)
+def test_one_question_holds_all_that_a_file_leaves_open(content: str, lines: str, tmp_path: Path) -> None:
+    """A second refusal followed, or a column of another quantity was proposed."""
+    asked = refused(tmp_path, "a.csv", content)
+    assert "\n".join(line[4:] for line in asked.splitlines() if line.startswith("    ")) == lines
+    if "/ H" not in lines:
+        answered(tmp_path, "a.csv", content)
+
+
+def test_columns_of_the_wrong_quantity_are_not_passed_off_as_the_right_one(tmp_path: Path) -> None:
+    asked = refused(tmp_path, "a.csv", "eps1 [%];u [kPa]\n0;0\n1;5\n")
+    assert "y_column: u [kPa]  # 0, 5; no heading says q" in asked
+
+
+def test_the_question_names_headings_of_columns_that_letters_name(tmp_path: Path) -> None:
+    rows = sheet_rows(("eps [%]", "q [kPa]", "eps [%]", "q [kPa]"), (0.1, 10, 0.2, 20), (1, 40, 2, 50))
+    other = sheet_rows(("a", "b", "c", "d"), (1, 2, 3, 4), (2, 3, 4, 5))
+    content = workbook(("1", rows), ("2", other))
+    assert "x_column: A:A  # eps [%]: 0.1, 1\n" in refused(tmp_path, "a.xlsx", content)
+    keys, y = answered(tmp_path, "a.xlsx", content)
+    assert (keys["sheet"], y) == ("1", [10, 40])
+
+
+def test_times_that_fall_or_repeat_belong_to_the_question(tmp_path: Path) -> None:
+    asked = mistakes(tmp_path, "a.csv", "Zeit [min];Setzung [mm]\n4;0.3\n1;0.1\n1;0.2\n")
+    assert "sort: true  # x does not always rise\n" in asked
+    assert "repeated_x: average  # or shift: several rows have the same x\n" in asked
+
+
+def test_doubts_and_units_of_columns_that_are_given_are_asked_together(tmp_path: Path) -> None:
+    """One was asked after the other."""
+    keys = {"x_column": "t", "y_column": "s"}
+    asked = refused(tmp_path, "a.csv", "t;s\n1;1,000\n2;2,000\n", **keys)
+    assert "x_unit: '%' or dimensionless" in asked
+    dates = mistakes(tmp_path, "a.csv", "t;s\n03/04/2024;1,000\n05/04/2024;2,000\n", **keys)
+    assert "x_dates: day_first" in dates
+    for one in (asked, dates):
+        assert "decimal_sign: comma reads 1" in one
+        assert "y_unit: " in one
+
+
+@pytest.mark.parametrize("heading", ["Force (N)", "Last (N)", "load_(N)"])
+def test_newtons_of_a_force_are_no_symbol(heading: str, tmp_path: Path) -> None:
+    """The unit of the series was offered: it made kPa of the newtons."""
+    told = refused(tmp_path, "q.csv", f"eps [-];{heading}\n0.001;10\n0.01;40\n", x_column="eps", y_column=heading)
+    assert "is in N, a force, but the series needs a stress" in told

@@ -94,5 +94,5 @@ def test_a_sheet_with_a_group_in_the_ags_format_has_its_units_and_data(tmp_path:
 def test_columns_that_are_not_there_are_told_at_once(tmp_path: Path) -> None:
     wrong = mistakes(tmp_path, "a.csv", "0,0,60\n1,0.25,59\n")
     assert "which columns hold x (time) and y (settlement), and in what unit?" in wrong
-    assert "x_column: A:A  # 0, 1\n" in wrong
+    assert "x_column: A:A  # 0, 1; or C:C: no heading says so\n" in wrong
     assert "columns: A:A (0, 1); B:B (0, 0.25); C:C (60, 59)" in wrong

@@ -6,7 +6,7 @@ export const CELLS = "cells"; // a column that is given by its letters, cells or
 
 /** What is chosen at first; `more` holds what few files need. */
 export function beginning() {
-  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, together: false, staged: false, found: {}, more: {} };
+  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, from0: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, together: false, staged: false, found: {}, given: {}, more: {} };
 }
 
 /** Columns and units for a series that was chosen. */
@@ -20,13 +20,13 @@ export function suit(state, file, info, y = null) {
   if (clocks.length === 1 && file.columns[state.x]?.kind === "time") state.more.x_time_column ??= clocks[0][1];
 }
 
-/** The unit that a heading names, whether it fits or not; where it names none and the series has one, nothing: it is asked for. */
+/** The unit that a heading names, whether it fits or not; where it names none and the series has one, that given by hand, else it is asked for. */
 export function suitUnits(state, file, info, axes = ["x", "y"]) {
   for (const axis of axes) {
     const column = file.columns[state[axis]];
     const clock = axis === "x" && column?.kind === "clock";
     const plain = info && plainBase(info[`${axis}_unit`]) === "dimensionless" && !info[`${axis}_quantity`].includes("strain") && !loadsAsX(info, axis, column) && (!column?.unclear || unitless(info, axis));
-    state[`${axis}Unit`] = column?.unit ?? (clock ? "day" : plain ? "dimensionless" : "");
+    state[`${axis}Unit`] = column?.unit ?? (clock ? "day" : plain ? "dimensionless" : column?.unclear ? "" : state.given[axis] ?? "");
   }
 }
 
@@ -80,8 +80,7 @@ export function open(file, state, info) {
   const given = (axis) => (state[axis] === CELLS ? state[`${axis}Cells`] : state[axis] !== null);
   return [
     info ? null : "Choose the series that these readings belong to.",
-    given("y") ? null : "Choose the column of y.",
-    given("x") ? null : "Choose the column of x.",
+    ...["y", "x"].filter((axis) => !given(axis)).map((axis) => `Choose the column of ${axis}${state[`${axis}Unit`] ? "" : ", and give its unit where its heading names none"}.`),
     numbers && !state.decimal ? `“${numbers.doubt}” in ${numbers.name} can be one thousand or one: say how numbers are written.` : null,
     clock && !state.dates ? `“${clock.first.find(Boolean)}” in ${clock.name} is a time: say how the time since the start is written, or choose the column of the dates.` : null,
     dates && !state.dates ? `“${dates.doubt}” in ${dates.name} can be read in two ways: say how dates are written.` : null,
@@ -92,6 +91,14 @@ export function open(file, state, info) {
 /** Units of another dimension, by axis. */
 export function conflicts(file, state, info) {
   return Object.fromEntries(["x", "y"].map((axis) => [axis, conflict(info, axis, state[`${axis}Unit`], file.columns[state[axis]])]));
+}
+
+/** A factor as a number, `1/0.0038` too; what is none goes to the service, which says so. */
+function factor(text) {
+  const [over, under, ...more] = (text ?? "").replaceAll(",", ".").split("/").map((part) => part.trim());
+  if (!over) return undefined;
+  const value = Number(over) / Number(under ?? 1);
+  return under === "" || more.length || !Number.isFinite(value) ? text : value;
 }
 
 /** The observation of a problem file that reads these points. */
@@ -109,6 +116,6 @@ export function section(file, state) {
     gross_error_column: column(of.gross_error_column), inputs: Object.keys(inputs).length ? inputs : undefined, where,
     x_dates: state.dates ?? undefined, x_time_column: column(of.x_time_column), x_origin: of.x_origin || undefined,
     decimal_sign: state.decimal ?? undefined, incomplete_rows: state.incomplete ? "leave_out" : undefined,
-    blocks: state.blocks ?? blocks, notes: of.notes ? [of.notes] : undefined,
+    x_factor: factor(of.x_factor), y_factor: factor(of.y_factor), blocks: state.blocks ?? blocks, notes: of.notes ? [of.notes] : undefined,
   };
 }

@@ -6,7 +6,7 @@ export const LEAVE_OUT = "Leave out rows without a number in every column";
 
 const FIELDS = {
   sheet: "map-sheet", x_column: "map-x", y_column: "map-y", x_unit: "map-x-unit", y_unit: "map-y-unit", x_dates: "map-dates", x_time_column: "map-x_time_column",
-  x_origin: "map-origin", y_minus: "map-y_minus", decimal_sign: "map-sign", load_unit: "map-load-unit", load_column: "map-load_column",
+  x_origin: "map-origin", y_minus: "map-y_minus", decimal_sign: "map-sign", x_factor: "map-x-factor", y_factor: "map-y-factor", load_unit: "map-load-unit", load_column: "map-load_column",
 };
 
 /** What the field for a key of the observation is called here; nothing for one that the import does not ask for. */

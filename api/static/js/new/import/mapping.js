@@ -76,6 +76,9 @@ export function mapping(file, content, context, act) {
 
   const unsorted = () => points !== null && points.x.some((x, i) => i > 0 && x <= points.x[i - 1]);
 
+  /** How many readings lie before the test, where its x begin at 0: noise, as a rule. */
+  const before = () => (points && /strain|^time$/.test(info()?.x_quantity ?? "") && points.x.some((x) => x >= 0) ? points.x.filter((x) => x < 0).length : 0);
+
   /** What is open, wrong or done, and what the button would do. */
   function show() {
     const questions = [...open(file, state, info()), ...unitQuestions(file, state, info())], units = Object.values(conflicts(file, state, info())).filter(Boolean);
@@ -84,7 +87,7 @@ export function mapping(file, content, context, act) {
       questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
       [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) => element("p", { class: "error", role: "alert" }, text)),
       incomplete ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
-    exchange(order, unsorted() && info()?.x_increasing
+    exchange(order, before() ? flag("map-before", `Leave out readings (${count(before())}) before ${quantity("x")[0]} 0`, state.from0, (on) => { state.from0 = on; }) : null, unsorted() && info()?.x_increasing
       ? [element("p", { class: "help stale" }, `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`),
         flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => { state.sort = on; })]
       : null);
@@ -142,7 +145,7 @@ export function mapping(file, content, context, act) {
     const base = info()?.[`${axis}_unit`];
     const listed = unitsOf(loadsAsX(info(), axis, file.columns[state[axis]]) ? "kPa" : base ?? file.columns[state[axis]]?.base ?? "");
     const dates = axis === "x" && ["time", "clock"].includes(file.columns[state.x]?.kind);
-    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; made.classList.toggle("asked", !value); if (byLoad(info(), axis)) load(); else show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
+    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; state.given[axis] = value; made.classList.toggle("asked", !value); if (byLoad(info(), axis)) load(); else show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
     if (dates) made.querySelector("input").readOnly = true;
     return made;
   }
@@ -154,6 +157,7 @@ export function mapping(file, content, context, act) {
     observation.points = { x, y, ...(weight ? { weight } : {}), ...(readings ? { readings } : {}), ...(independent ? { independent } : {}), ...(range === null ? {} : { range }), ...(Object.keys(inputs).length ? { inputs } : {}) };
     if (state.reverse) observation.y_factor = -1;
     if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });
+    if (state.from0 && before()) observation.x_from = 0;
     if (gross.length) observation.gross_errors = gross;
     if (told.length) observation.notes = told;
     plot.remove();

@@ -26,8 +26,8 @@ function dimensionOf(unit) {
   return ["day", "m", "kPa", "degree", "dimensionless"].find((base) => unitsOf(base).includes(plainBase(unit))) ?? null;
 }
 
-/** Whether a column is a heave, whose sign is to be asked for. */
-const rises = (column) => column.quantities.includes("heave");
+/** Whether a column is a heave, whose sign is to be asked for, or a height: lengths, and no settlements. */
+const otherLength = (column) => ["heave", "height"].some((one) => column.quantities.includes(one));
 
 /** Whether x are numbers of stages, which the service finds by their loads, too. */
 export const byLoad = (info, axis) => axis === "x" && info?.x_quantity === "stage";
@@ -39,8 +39,10 @@ export function conflict(info, axis, unit, column) {
   const base = column?.unit === unit ? column.base : dimensionOf(unit);
   if (!unit || base === null || base === undefined || base === wanted || dimensionOf(wanted) === null) return null;
   const what = column?.unit === unit ? `“${column.name}” is in ${unit}` : `${unit} is given`;
+  const divided = wanted === "dimensionless" && info[`${axis}_quantity`].includes("strain") && dimensionOf(unit) === "m"
+    ? ` A strain needs the unit “dimensionless”, and “Multiply ${axis} by” below.` : "";
   const needed = wanted === "dimensionless" ? "has no unit but % or 1" : `needs a unit such as ${unitsOf(wanted).slice(0, 3).join(", ")}`;
-  return `${what}, but ${info[`${axis}_quantity`]} of ${info.name} ${needed}. Choose another column or series; correct the unit only if the heading is wrong.`;
+  return `${what}, but ${info[`${axis}_quantity`]} of ${info.name} ${needed}. Choose another column or series; correct the unit only if the heading is wrong.${divided}`;
 }
 
 /** Place among what a heading may mean, of a series' quantity; -1: none. */
@@ -68,6 +70,8 @@ export const loadsAsX = (info, axis, column) => byLoad(info, axis) && column !==
 /** Whether two columns may be x and y of readings; rows of a sheet differ in length. */
 const paired = (one, other) => one !== other && !(lies(other) && one.values.length !== other.values.length);
 
+const only = (found) => (found.length === 1 ? found[0] : undefined);
+
 /** The column of x for a series, null where it is not plain. */
 export function columnOfX(file, info, y) {
   const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => readable(column) && column.kind !== "clock" && paired(column, file.columns[y]));
@@ -75,8 +79,10 @@ export function columnOfX(file, info, y) {
   const found = usable.find(({ column }) => meansX(column, info))
     ?? usable.find(({ column }) => column.base !== null && column.base === plainBase(info.x_unit) && column.base !== "dimensionless")
     ?? (byLoad(info, "x") ? usable.find(({ column }) => meansLoad(column)) : undefined)
+    ?? usable.find(({ column }) => plainBase(info.x_unit) === "day" && column.quantities.includes("time"))
+    ?? (info.x_quantity.includes("strain") ? only(usable.filter(({ column }) => column.unit === "%")) : undefined)
     ?? usable.find(({ column }) => key(column.label) === "x")
-    ?? (info.x_quantity === "x" || usable.length === 1 ? usable[0] : undefined);
+    ?? ((info.x_quantity === "x" && file.columns.length === 2) || usable.length === 1 ? usable[0] : undefined);
   return found?.i ?? null;
 }
 
@@ -85,14 +91,14 @@ export function columnOfY(file, info) {
   const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => column.kind === "number");
   const named = usable.map((one) => ({ ...one, place: meaning(one.column, info) })).filter(({ place }) => place >= 0);
   named.sort((one, other) => one.place - other.place || one.i - other.i);
-  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit) && !rises(column));
+  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit) && !otherLength(column));
   return named[0]?.i ?? (alike.length === 1 ? alike[0].i : null) ?? usable.find(({ column }) => key(column.label) === "y")?.i ?? null;
 }
 
 /** The only series and column whose units, and those of a column of x, belong together, where no word says so. */
 function byUnits(file, pairs) {
   const fits = (column, unit) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(unit);
-  const found = pairs.filter(({ info, column, y }) => !rises(column) && fits(column, info.y_unit) && file.columns.some((one, i) => i !== y && fits(one, info.x_unit)));
+  const found = pairs.filter(({ info, column, y }) => !otherLength(column) && fits(column, info.y_unit) && file.columns.some((one, i) => i !== y && fits(one, info.x_unit)));
   return found.length === 1 ? found[0] : undefined;
 }
 

@@ -32,6 +32,8 @@ export function moreFields(file, state, change, open) {
       ? choice("map-entry", `${file.columns[of.whereColumn].name} is`, Object.entries(entries).map(([entry, rows]) => [entry, `${entry} (${rows} rows)`]), of.whereEntry, set("whereEntry"))
       : null,
     words("map-notes", "Where the readings come from", of.notes ?? "", set("notes"), { help: "For the report: laboratory, standard, date." }),
+    words("map-x-factor", "Multiply x by", of.x_factor ?? "", set("x_factor"), { placeholder: "0.001/0.02", help: "Makes a strain of a length: give the unit “dimensionless”, and 0.001/0.02 for mm of a specimen of 20 mm." }),
+    words("map-y-factor", "Multiply y by", of.y_factor ?? "", set("y_factor"), { placeholder: "1/0.00385", help: "Makes a stress of a force: give the unit “kPa”, and 1/0.00385 for kN on 38.5 cm²." }),
     flag("map-reverse", "Reverse the sign of y", state.reverse, (on) => { state.reverse = on; change(false); }),
     open ? inputFields(columns, of, change) : null,
     state.x === CELLS || state.y === CELLS ? null : element("p", { class: "help wide-field" }, "Cells such as B5:B30, a letter (B:B) or a name of the workbook: choose “by cells or name” as the column."));

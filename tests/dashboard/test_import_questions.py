@@ -1,0 +1,67 @@
+"""What the import of readings asks for, it asks for at once, and no answer is lost."""
+
+from __future__ import annotations
+
+import re
+
+from playwright.sync_api import expect
+
+from tests.dashboard.conftest import Site
+from tests.dashboard.test_new_import import Visit, chosen, drop, more, yaml
+
+
+def test_columns_and_units_of_a_table_without_headings_are_one_question(embedded: Site, visit: Visit) -> None:
+    """Columns were asked for, then their units; a unit that was given first was lost."""
+    page, _ = visit(embedded, "/new?example=oedometer")
+    mapping = drop(page, "0;0;A\n1;25;A\n2;50;A\n4;75;A\n")
+    mapping.get_by_label("Series", exact=True).select_option(label="settlement: replaces 226 readings")
+    both = [f"Choose the column of {axis}, and give its unit where its heading names none." for axis in "yx"]
+    expect(mapping.locator(".todo li")).to_have_text(both)
+    mapping.get_by_label("Unit of y").fill("0.01 mm")
+    mapping.get_by_label("Unit of x").fill("min")
+    mapping.get_by_label("Column of y").select_option(label="column 2")
+    mapping.get_by_label("Column of x").select_option(label="column 1")
+    expect(mapping.locator(".todo")).to_have_count(0)
+    expect(mapping.get_by_role("status")).to_have_text("4 readings.")
+    page.locator("#take").click()
+    expect(yaml(page)).to_have_value(re.compile(r"y_unit: \"?0.01 mm"))
+    expect(yaml(page)).to_have_value(re.compile("x_unit: min"))
+
+
+def test_a_strain_is_made_of_a_stroke(embedded: Site, visit: Visit) -> None:
+    """Files of presses, which have strokes and forces, could not be taken."""
+    page, _ = visit(embedded, "/new?example=triaxial")
+    mapping = drop(page, "Stauchung [mm];Kraft [kN]\n0,1;0,01\n0,2;0,03\n")
+    series = mapping.get_by_label("Series", exact=True)
+    series.select_option(series.locator("option", has_text=re.compile(r"^cell_50\.q:")).get_attribute("value"))
+    mapping.get_by_label("Column of y").select_option(label="Kraft [kN]")
+    mapping.get_by_label("Column of x").select_option(label="Stauchung [mm]")
+    expect(mapping.get_by_role("alert").first).to_contain_text(
+        "needs the unit “dimensionless”, and “Multiply x by” below"
+    )
+    mapping.get_by_label("Unit of x").fill("dimensionless")
+    mapping.get_by_label("Unit of y").fill("kPa")
+    more(mapping)
+    mapping.get_by_label("Multiply x by").fill("0,001/0,02")
+    mapping.get_by_label("Multiply y by").fill("1/0.004")
+    expect(mapping.get_by_role("status")).to_contain_text("X was multiplied by 0.05. Y was multiplied by 250.")
+    page.locator("#take").click()
+    expect(yaml(page)).to_have_value(re.compile(r"x: \[0\.005"))
+
+
+def test_a_time_of_a_formula_is_no_number_of_a_row(embedded: Site, visit: Visit) -> None:
+    """The first column was proposed."""
+    page, _ = visit(embedded, "/new?example=formula")
+    mapping = drop(page, "No;Zeit;Setzung [mm]\n1;0,5;1\n2;1,5;2\n")
+    expect(chosen(mapping, "Column of x")).to_have_text("Zeit")
+
+
+def test_noise_before_a_test_is_asked_for(embedded: Site, visit: Visit) -> None:
+    """The problem was refused after the readings were taken."""
+    page, _ = visit(embedded, "/new?example=triaxial")
+    mapping = drop(page, "eps [%];q [kPa]\n-0,01;1\n0;2\n0,5;9\n")
+    series = mapping.get_by_label("Series", exact=True)
+    series.select_option(series.locator("option", has_text=re.compile(r"^cell_50\.q:")).get_attribute("value"))
+    mapping.get_by_label("Leave out readings (1) before axial strain 0").check()
+    page.locator("#take").click()
+    expect(yaml(page)).to_have_value(re.compile("x_from: 0\n"))
