@@ -178,6 +178,11 @@ class Linearisation:
         return tuple(one for one in self.dependence if one.kind != "possible")
 
     @property
+    def widest(self) -> float:
+        """The largest factor by which an interval is wider than the usual one; 1 without."""
+        return float(np.max(self.widening, where=np.isfinite(self.widening), initial=1.0))
+
+    @property
     def at_optimum(self) -> bool:
         """Whether no parameter is more than a fifth of its standard error away from the nearest minimum.
 
