@@ -198,8 +198,11 @@ class Linearisation:
 
     @property
     def misplaced(self) -> bool:
-        """Whether the minimum is more than a standard error away: then nothing can be decided here."""
-        return self.far is not None and self.far > _MISPLACED
+        """Whether the minimum is more than a standard error away: then nothing can be decided here.
+
+        Of parameters that act alike, none need be that far where all together are too far to test the fit.
+        """
+        return self.far is not None and (self.far > _MISPLACED or self.fit.unreached)
 
     def influence(self, name: str) -> float:
         """Length of the parameter's weighted derivative over the longest one, 0 to 1."""

@@ -103,6 +103,11 @@ class FitVerdict:
         return self.kind in ("lack_of_fit", "error_not_met")
 
     @property
+    def unreached(self) -> bool:
+        """Whether it was not tested because the minimum is too far away."""
+        return self.kind == "untested" and any(remedy.kind == "sensitivity" for remedy in self.remedies)
+
+    @property
     def caution(self) -> str:
         """What stands beside an interval; empty where it holds."""
         return DOES_NOT_HOLD[self.kind] if self.wrong and not self.tests else ""
