@@ -35,7 +35,8 @@ __all__ = ["Outcome", "Refinement"]
 Outcome: TypeAlias = Literal["", "converged", "stuck", "long", "worse"]
 
 _COARSE, _FINE = 1e-4, 1e-5  # differences, parts of the range
-_LINEAR, _LINEAR_FAR = 1e-5, 1e-6  # second over first difference; misprediction over change
+_LINEAR, _LINEAR_LOG = 1e-5, 1e-6  # second over first difference: on a log scale what is nearly linear is common
+_LINEAR_FAR = 1e-6  # misprediction over change
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-12, 1e8
 _COARSE_GAIN, _FINE_GAIN = 1e-8, 1e-13  # of f: less is not worth a generation
 _ROUNDING_GAIN, _LOST = 1e-8, 1e-11  # of f: predicted, but lost in rounding perhaps, and surely
@@ -183,7 +184,7 @@ class Refinement:
                     ahead, behind = ((there - centre) / stretched(space, index, length) for length, there in sides)
                     change, second = float(np.linalg.norm(a * (ahead + behind))), a * (ahead - behind)
                 bend[index] = max(float(np.linalg.norm(second)) - rounding, 0.0) / change if change > 0.0 else np.inf
-                if space.log[index] and bend[index] < _LINEAR:
+                if space.log[index] and bend[index] < _LINEAR_LOG:
                     columns[:, index] = 0.5 * (ahead + behind)
             elif sides:
                 columns[:, index] = (sides[0][1] - centre) / sides[0][0]
@@ -198,7 +199,8 @@ class Refinement:
         centre = residuals_of(runs, self.row)
         columns, bend = self._jacobian(space, runs, centre, len(runs.positions) - len(self.asked))
         after = self._with_slopes(columns, centre)
-        candidates = np.flatnonzero((bend < _LINEAR) & (np.linalg.norm(columns, axis=0) > 0.0)).tolist()
+        linear = bend < np.where(space.log, _LINEAR_LOG, _LINEAR)
+        candidates = np.flatnonzero(linear & (np.linalg.norm(columns, axis=0) > 0.0)).tolist()
         point, points, moves = self.current, [], []
         for index in candidates:  # one after the other: products of two are linear in either alone
             far = FAR_MOVE if point[index] <= 0.5 else -FAR_MOVE
