@@ -30,11 +30,16 @@ __all__ = ["implausible", "impossible", "require_possible", "to_be_accepted"]
 
 
 def impossible(problem: Problem) -> list[Issue]:
-    """Return readings that no soil can have and that the problem does not accept, as mistakes in it; runs nothing."""
+    """Return readings that no soil can have and that the problem does not accept, as mistakes in it; runs nothing.
+
+    So are series that it names and that do not exist.
+    """
     known = [info.name for info in problem.model.series]
+    named = {"accept": problem.accept, "noise.series": () if problem.noise is None else problem.noise.series}
     unknown = [
-        Issue(f"accept[{index}]", f"unknown series '{name[:60]}'{did_you_mean(name, known)}")
-        for index, name in enumerate(problem.accept)
+        Issue(f"{key}[{index}]", f"unknown series '{name[:60]}'{did_you_mean(name, known)}")
+        for key, names in named.items()
+        for index, name in enumerate(names)
         if name not in known
     ]
     return unknown + [doubt.issue for doubt in _unaccepted(problem)]

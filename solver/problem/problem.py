@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.expressions import Expression
@@ -126,6 +126,12 @@ class Problem:
             return False
         return self.counted_points >= len(self.free) and not all(p.integer for p in self.free)
 
+    def noise_of(self, series: str) -> Literal["white", "correlated"] | None:
+        """What the problem states of the errors of a series; None where it says nothing of it."""
+        if self.noise is None or (self.noise.series and series not in self.noise.series):
+            return None
+        return self.noise.kind
+
     @property
     def counted_points(self) -> int:
         """Number of measured points that take part: weights of point and series above 0."""
@@ -211,7 +217,7 @@ class Problem:
         if self.weighting is not None:
             document["weighting"] = self.weighting
         if self.noise is not None:
-            document["noise"] = self.noise.model_dump(mode="json")
+            document["noise"] = self.noise.model_dump(mode="json", exclude_defaults=True)
         if self.accept:
             document["accept"] = list(self.accept)
         if self.seed is not None:

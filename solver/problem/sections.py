@@ -148,6 +148,9 @@ class NoiseSection(Section):
         description="white: errors are independent, and intervals allow for nothing else; correlated: errors of "
         "neighbouring readings of a series are alike, and intervals always allow for that"
     )
+    series: list[str] = Field(
+        default=[], max_length=1000, description="the series of which this is known; all if there are none"
+    )
 
 
 class WarmStart(Section):

@@ -151,7 +151,14 @@ def sample_of(
             )
             optimum = known.basins[0].optimum
             taken = take_from(
-                known.calibration, optimum, sample.parameters, runs - 1, cut, shape.degrees_of_freedom, seed
+                known.calibration,
+                optimum,
+                sample.parameters,
+                runs - 1,
+                cut,
+                shape.degrees_of_freedom,
+                seed,
+                found.widest,
             )
             return taken, remarks
     elif bent:
@@ -296,7 +303,7 @@ def _said(known: Known, sample: ParameterSample | None) -> list[str]:
             f"the data leave {' and '.join(sample.undecided)} undecided: drawn over the searched range, as far as what "
             "the data do determine allows"
         )
-    widest = float(found.widening.max(initial=1.0))
+    widest = found.widest
     if found.dependence and widest > 1.0:
         why = " and ".join(dict.fromkeys(_WIDER[one.kind] for one in found.dependence))
         said.append(f"{why}, so the parameters scatter {widest:.2g} times as widely, as their intervals")

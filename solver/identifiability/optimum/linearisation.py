@@ -178,6 +178,11 @@ class Linearisation:
         return tuple(one for one in self.dependence if one.kind != "possible")
 
     @property
+    def widest(self) -> float:
+        """The largest factor by which an interval is wider than the usual one; 1 without."""
+        return float(np.max(self.widening, where=np.isfinite(self.widening), initial=1.0))
+
+    @property
     def at_optimum(self) -> bool:
         """Whether no parameter is more than a fifth of its standard error away from the nearest minimum.
 
@@ -193,8 +198,11 @@ class Linearisation:
 
     @property
     def misplaced(self) -> bool:
-        """Whether the minimum is more than a standard error away: then nothing can be decided here."""
-        return self.far is not None and self.far > _MISPLACED
+        """Whether the minimum is more than a standard error away: then nothing can be decided here.
+
+        Of parameters that act alike, none need be that far where all together are too far to test the fit.
+        """
+        return self.far is not None and (self.far > _MISPLACED or self.fit.unreached)
 
     def influence(self, name: str) -> float:
         """Length of the parameter's weighted derivative over the longest one, 0 to 1."""

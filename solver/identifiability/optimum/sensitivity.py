@@ -191,9 +191,6 @@ def _dependence(
     fit: FitVerdict,
 ) -> list[tuple[Dependence, IntArray]]:
     """Series whose noise is or may be correlated or of uneven size, and their readings in the order of x."""
-    stated = calibration.problem.noise
-    if stated is not None and stated.kind == "white":
-        return []
     departing = []
     start = 0
     patterned = {m.series for m in fit.misfits if m.reason == "pattern"}
@@ -201,7 +198,8 @@ def _dependence(
         places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
         places = places[np.argsort(o.x[places - start], kind="stable")]
         first, start = start, start + o.y.size
-        if is_exact(o, jacobian.responses[o.series] - o.y):
+        stated = calibration.problem.noise_of(o.series)
+        if stated == "white" or is_exact(o, jacobian.responses[o.series] - o.y):
             continue
         one = dependence_of(
             o.series,
@@ -209,7 +207,7 @@ def _dependence(
             found.basis[places],
             o.x[places - first],
             o.series in patterned,
-            stated is not None,
+            stated == "correlated",
         )
         if one is not None:
             departing.append((one, places))

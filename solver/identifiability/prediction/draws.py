@@ -209,12 +209,16 @@ def _draw(calibration: Calibration, basin: Basin, count: int, seed: int) -> tupl
                 if len(kept) == count:
                     break
         size = min(2 * size, 2**14)
-    if len(kept) < max(min(_FEWEST, count) // 2, 1):
+    _check_draws(len(kept), drawn, count)
+    return np.array(kept), np.array(factors)
+
+
+def _check_draws(kept: int, drawn: int, wanted: int) -> None:
+    if kept < max(min(_FEWEST, wanted) // 2, 1):
         raise StatisticsError(
-            f"only {len(kept)} of {drawn} draws around the optimum lie between the bounds and satisfy the constraints; "
+            f"only {kept} of {drawn} draws around the optimum lie between the bounds and satisfy the constraints; "
             "widen the bounds, or relax the constraints"
         )
-    return np.array(kept), np.array(factors)
 
 
 def _along_open(unit: FloatArray, directions: FloatArray, uniform: FloatArray) -> FloatArray:
@@ -251,8 +255,12 @@ def take_from(
     undecided: tuple[str, ...],
     degrees_of_freedom: float,
     seed: int,
+    widening: float = 1.0,
 ) -> ParameterSample:
     """Take draws from a posterior sample, shape (k, d), natural values: evenly over its chains.
+
+    It takes the errors of readings as independent, so draws are moved away from the optimum as much as intervals are
+    wider than the usual ones; those that leave the bounds or break a constraint are left out.
 
     Parameters
     ----------
@@ -260,7 +268,21 @@ def take_from(
         Of the estimated error of a reading; infinite where it is known.
     seed
         Of the factors of that error.
+    widening
+        By how much intervals are wider than the usual ones.
+
+    Raises
+    ------
+    StatisticsError
+        When hardly a draw lies between the bounds and satisfies the constraints.
     """
+    if widening > 1.0:
+        space = calibration.space
+        centre = space.to_unit(optimum)
+        unit = centre + widening * (space.to_unit(drawn) - centre)
+        natural = space.from_unit(unit[((unit >= 0.0) & (unit <= 1.0)).all(axis=1)])
+        before, drawn = len(drawn), natural[[space.feasible(one) for one in natural]]
+        _check_draws(len(drawn), before, runs)
     rows = np.unique(np.linspace(0, len(drawn) - 1, runs).round().astype(int))
     chosen = drawn[rows]
     count = len(chosen)

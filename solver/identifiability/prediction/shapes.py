@@ -77,9 +77,8 @@ def shape_of(linearisation: Linearisation) -> Shape:
             "; give the error of a reading (noise, or error in the problem)"
         )
     directions, spread, _ = np.linalg.svd(scaled, full_matrices=False)
-    widest = float(np.nanmax(np.where(np.isfinite(linearisation.widening), linearisation.widening, 1.0)))
     return Shape(
-        directions[:, :rank] * spread[:rank] * max(widest, 1.0),
+        directions[:, :rank] * spread[:rank] * linearisation.widest,
         left[:, rank:],
         float(noise.degrees_of_freedom),
         np.isnan(linearisation.linear_half_widths),

@@ -32,6 +32,7 @@ from geoswarm.solver.arrays import FloatArray, IntArray
 
 __all__ = [
     "ALLOWANCES",
+    "FEW",
     "Dependence",
     "DependenceKind",
     "allowed_deviations",
@@ -53,7 +54,9 @@ _LEAST_LEFT = 0.05  # of 1 - h
 _FEWEST_FREE = 2.0
 _EVEN = 0.01  # of the median distance: smaller differences do not count
 _LEAST_GAP, _MOST_GAP = 0.05, 1e3  # repeats are not the same reading
-_FEWEST_TO_SPEAK, _FEW = 18, 50  # readings: fewer leave the correlation open; of few, tests for patterns miss it
+_FEWEST_TO_SPEAK = 18  # readings: fewer leave the correlation open
+FEW = 50
+"""Readings of a series below which tests for patterns miss a correlation, so that intervals allow for it unseen."""
 _SPEAKS, _SPEAKS_OF_FEW = 3.84, 1.0  # twice the gain of log-likelihood: by chance more in 2.5, of few in 16 %
 _INDEPENDENT = 0.5  # prior probability
 _MANY = 1e6  # degrees of freedom, as good as infinite
@@ -161,7 +164,7 @@ def dependence_of(
     likelihood, _, gaps, _ = _candidates(scaled, basis, x)
     way, index = (int(place) for place in np.unravel_index(np.argmax(likelihood), likelihood.shape))
     gain = 2.0 * float(likelihood[way, index] - likelihood[0, 0])
-    speaks = gain > (_SPEAKS_OF_FEW if count < _FEW else _SPEAKS) + _FURTHER_WAY * (len(gaps) - 1)
+    speaks = gain > (_SPEAKS_OF_FEW if count < FEW else _SPEAKS) + _FURTHER_WAY * (len(gaps) - 1)
     if not correlated:
         ranks = np.argsort(np.argsort(np.abs(scaled), kind="stable"), kind="stable")
         strength = float(np.corrcoef(ranks, np.arange(count))[0, 1]) * np.sqrt(count - 1.0)
@@ -171,7 +174,7 @@ def dependence_of(
         rho = float(_RHO[index])
         total = float(np.sum(_along(np.ones((1, count)), rho ** gaps[way]) ** 2))
         return Dependence(series, "correlated", rho, count, max(count**2 / total, 1.0), way == 1)
-    return unseen if count < _FEW else None
+    return unseen if count < FEW else None
 
 
 def allowed_deviations(

@@ -27,6 +27,7 @@ _MET = 1.2  # scatter of the others, over the stated error, up to which that err
 _FREE_LEVERAGE = 1e-6  # what the fit leaves of a reading that it does not follow
 _ROUNDING = 1e-9  # of sums of leverages
 _LIKELY = 20  # readings furthest from the fit of all that are compared with what the others say alone
+_COMPARED = 4_000_000  # readings times those compared with them, at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +102,8 @@ def _furthest(
     if float(rest.sum()) < _FEWEST_FREE - _ROUNDING:
         return None
     usable = np.flatnonzero((rest > _FREE_LEVERAGE) & (left != 0.0))
-    likely = usable[np.argsort(-np.abs(left[usable]) / np.sqrt(rest[usable]), kind="stable")[:_LIKELY]]
+    most = min(_LIKELY, max(_COMPARED // len(left), 1))
+    likely = usable[np.argsort(-np.abs(left[usable]) / np.sqrt(rest[usable]), kind="stable")[:most]]
     # residuals and leverages of all readings of the series, in rows, without the one of the column
     hat = rows @ solved[:, likely]
     without = left[:, None] + hat * (left[likely] / rest[likely])

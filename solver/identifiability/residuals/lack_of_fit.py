@@ -103,6 +103,11 @@ class FitVerdict:
         return self.kind in ("lack_of_fit", "error_not_met")
 
     @property
+    def unreached(self) -> bool:
+        """Whether it was not tested because the minimum is too far away."""
+        return self.kind == "untested" and any(remedy.kind == "sensitivity" for remedy in self.remedies)
+
+    @property
     def caution(self) -> str:
         """What stands beside an interval; empty where it holds."""
         return DOES_NOT_HOLD[self.kind] if self.wrong and not self.tests else ""
@@ -174,7 +179,8 @@ def examine_fit(
     """
     if (unfit := unfit_readings(calibration.problem)) is not None:
         return unfit
-    readings = readings_at(calibration, responses, derivatives)
+    whole = readings_at(calibration, responses, derivatives)
+    readings = whole.averaged()
     if at_bound and (missed := _missed(readings, known)):
         return _verdict(calibration.problem, readings, missed)
     basis = weighted_basis(readings.weighted)
@@ -188,10 +194,10 @@ def examine_fit(
     if known is None and rank and not met_to_rounding(readings.observed, responses) and along > _FAR * rest:
         return untested(_NOT_YET, follow_up("sensitivity"))
     readings, deviations = by_noise(readings, known)
-    gross, excluded = _gross(readings, deviations, known)
+    gross, excluded = _gross(*by_noise(whole, known), known)
     exceeded = [] if known is None else _exceeded(readings, deviations)
     if gross:
-        readings, deviations = by_noise(readings.without(excluded), known)
+        readings, deviations = by_noise(whole.without(excluded).averaged(), known)
         free -= len(excluded)
     elif known is None and free < FEWEST_FREE:
         return too_few
@@ -217,7 +223,7 @@ def _gross(
     misfits, excluded = [], []
     basis, scaled = weighted_basis(readings.weighted), readings.scaled / deviations
     for index, (o, measured) in enumerate(zip(readings.observed, readings.measured, strict=True)):
-        if o.loss is not None or not readings.is_single(index) or (known is None and is_exact(o, measured.values)):
+        if o.loss is not None or (known is None and is_exact(o, measured.values)):
             continue
         own = readings.of(index)
         found = excluded_readings(scaled, basis, own, known=known is not None)

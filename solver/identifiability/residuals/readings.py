@@ -104,18 +104,11 @@ class Readings:
     def of(self, index: int) -> IntArray:
         return np.flatnonzero(self.series == index)
 
-    def is_single(self, index: int) -> bool:
-        """Whether the readings of a series are those that were measured, not means of many."""
-        return self.of(index).size == self.measured[index].x.size
-
     def without(self, excluded: Sequence[int]) -> Readings:
-        """The same without some readings."""
+        """The same without some readings, of which none are means yet."""
         kept = np.ones(len(self.x), dtype=np.bool_)
         kept[list(excluded)] = False
-        measured = [
-            one.without(np.isin(self.of(index), excluded)) if self.is_single(index) else one
-            for index, one in enumerate(self.measured)
-        ]
+        measured = [one.without(np.isin(self.of(index), excluded)) for index, one in enumerate(self.measured)]
         return replace(
             self,
             measured=tuple(measured),
@@ -126,6 +119,15 @@ class Readings:
             factors=self.factors[kept],
             weighted=self.weighted[kept],
         )
+
+    def averaged(self) -> Readings:
+        """The same with means over blocks of neighbours where a series has very many; patterns only stand out more."""
+        if max(one.x.size for one in self.measured) <= _MOST_POINTS:
+            return self
+        columns = (self.series.astype(np.float64), self.x, self.residuals, self.inside, self.factors, self.weighted)
+        means = [_block_means(tuple(c[own] for c in columns)) for own in map(self.of, range(len(self.observed)))]
+        series, *others = (np.concatenate(parts) for parts in zip(*means, strict=True))
+        return Readings(self.observed, self.measured, series.astype(np.int64), *others)
 
 
 def readings_at(
@@ -141,15 +143,15 @@ def readings_at(
         residuals = pseudo.residuals[o.series][used]
         weighted = derivatives[o.series][used] * (inside * factor)[:, None]
         rows = (np.full(used.size, index), o.x[used], residuals, inside, factor, weighted)
-        for column, values in zip(columns, _averaged(rows, used.size), strict=True):
+        for column, values in zip(columns, rows, strict=True):
             column.append(values)
     series, *others = (np.concatenate(column) for column in columns)
     measured = tuple(MeasuredResiduals.of(calibration.problem, o, responses[o.series]) for o in observed)
     return Readings(observed, measured, series.astype(np.int64), *others)
 
 
-def _averaged(rows: tuple[FloatArray, ...], size: int) -> tuple[FloatArray, ...]:
-    """Means over blocks of neighbours where there are very many readings; patterns only stand out more."""
+def _block_means(rows: tuple[FloatArray, ...]) -> tuple[FloatArray, ...]:
+    size = len(rows[0])
     block = -(-size // _MOST_POINTS)
     if block == 1:
         return rows

@@ -18,10 +18,13 @@ from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import Noise, known_noise, noise_objective, problem_noise
+from geoswarm.solver.identifiability.residuals.dependence import FEW
+from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
 from geoswarm.solver.identifiability.samples import Samples
 from geoswarm.solver.identifiability.stored.stored_fit import fit_of_samples
 from geoswarm.solver.identifiability.stored.surface import ResponseSurface, fit_surface
 from geoswarm.solver.system.extras import needs_extra
+from geoswarm.solver.words import listed
 
 _Likelihood: TypeAlias = Callable[[FloatArray], FloatArray]
 
@@ -185,7 +188,7 @@ def sample_posterior(
     intervals = np.quantile(natural, [0.5 - level / 2.0, 0.5 + level / 2.0], axis=0).T
     fit = fit_of_samples(calibration, samples, noise=noise)
     wrong = (fit.sentence,) if fit.wrong else ()
-    warnings = wrong + _warnings(samples.names, unit, surface, error, len(chain), time)
+    warnings = wrong + _warnings(samples.names, unit, surface, error, len(chain), time) + _dependent(calibration, fit)
     cut = _reaches_edge(unit, surface)
     intervals[cut] = np.nan
     return Posterior(
@@ -243,6 +246,23 @@ def _reaches_edge(unit: FloatArray, surface: ResponseSurface) -> BoolArray:
     margin = _EDGE * (surface.upper - surface.lower)
     near = ((unit <= surface.lower + margin) | (unit >= surface.upper - margin)).mean(axis=0)
     return np.asarray(near > _AT_EDGE)
+
+
+def _dependent(calibration: Calibration, fit: FitVerdict) -> tuple[str, ...]:
+    """A sentence where intervals at the optimum allow for a correlation of errors, which the likelihood does not."""
+    correlated = {misfit.series for misfit in fit.misfits if misfit.reason == "pattern"}
+    for o in calibration.objective.observed:
+        stated = calibration.problem.noise_of(o.series)
+        if stated == "correlated" or int((o.point_weights > 0).sum()) < FEW:
+            correlated.add(o.series)
+        if stated == "white" or o.weight == 0.0:
+            correlated.discard(o.series)
+    if not correlated:
+        return ()
+    return (
+        f"the errors of the readings of {listed(sorted(correlated))} are taken as independent; intervals at the "
+        "optimum allow for a correlation and may be wider",
+    )
 
 
 def _warnings(

@@ -51,6 +51,7 @@ LATE = 6  # runs for each slope of a surface from which it is searched around ru
 NARROW = 8  # particles up to which a generation has no room for that, and below which patience is counted in these
 CLOSE = 0.02  # half the width of the box around the end of a descent, of which the place is well known
 NEIGHBOURS, MOST_FAILED = 5, 0.7
+LONG = 20  # runs for each slope of a surface, after which a descent that goes on is left to least squares, if polished
 
 
 class Proposer:
@@ -229,10 +230,11 @@ class Proposer:
             pattern = polish_pattern(len(moved))
         elif descending:
             descent = next_of_descent(strategies, len(every) + len(out))
+            long = generation > 0 and len(every) >= LONG * (known.shape[1] + 1)
+            if self._polish and (descent.left is not None or long):
+                self.leaving = True
+                return {}
             if descent.left is not None:
-                if self._polish:
-                    self.leaving = True
-                    return {}
                 basins = basins.left(descent.left)
                 strategies = strategies_with(basins)
             strategies.region, pattern = descent.region, descent.pattern

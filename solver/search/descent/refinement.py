@@ -25,6 +25,7 @@ from geoswarm.solver.search.descent.projection import (
     project,
     residuals_of,
     slopes_of_moves,
+    stretched,
 )
 from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
@@ -34,7 +35,8 @@ __all__ = ["Outcome", "Refinement"]
 Outcome: TypeAlias = Literal["", "converged", "stuck", "long", "worse"]
 
 _COARSE, _FINE = 1e-4, 1e-5  # differences, parts of the range
-_LINEAR, _LINEAR_FAR = 1e-5, 1e-6  # second over first difference; misprediction over change
+_LINEAR, _LINEAR_LOG = 1e-5, 1e-6  # second over first difference: on a log scale what is nearly linear is common
+_LINEAR_FAR = 1e-6  # misprediction over change
 _DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e-12, 1e8
 _COARSE_GAIN, _FINE_GAIN = 1e-8, 1e-13  # of f: less is not worth a generation
 _ROUNDING_GAIN, _LOST = 1e-8, 1e-11  # of f: predicted, but lost in rounding perhaps, and surely
@@ -68,7 +70,7 @@ class Refinement:
     linear, linear_rows
         Parameters that enter linearly; runs with their moves at the last trial: the trial itself, then one each.
     linear_moves
-        Lengths of these.
+        Lengths of these, stretched on a log scale.
     damping, predicted, iterations
         Of Levenberg-Marquardt, and the decrease that the trial promises.
     fine, first, outcome
@@ -153,8 +155,13 @@ class Refinement:
             return replace(self, outcome="converged")
         return replace(self, asked=np.array([*first, *points]), moves=tuple(moves))
 
-    def _jacobian(self, runs: Runs, centre: FloatArray, first: int) -> tuple[FloatArray, FloatArray]:
-        """Slopes from the moves, rows from ``first`` on, shape (m, d), and how far two sides differ, shape (d,)."""
+    def _jacobian(
+        self, space: SearchSpace, runs: Runs, centre: FloatArray, first: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """Slopes from the moves, rows from ``first`` on, shape (m, d), and how far two sides differ, shape (d,).
+
+        Sides differ by what is not linear in natural values.
+        """
         columns = np.zeros((centre.size, len(self.current)))
         bend = np.full(len(self.current), np.inf)
         for index in dict.fromkeys(index for index, _ in self.moves):
@@ -173,7 +180,12 @@ class Refinement:
                     size, second = other - centre, other - 2.0 * near + centre
                 rounding = 1e-14 * float(np.linalg.norm(np.abs(near) + np.abs(other)))
                 change = float(np.linalg.norm(size))
+                if space.log[index]:
+                    ahead, behind = ((there - centre) / stretched(space, index, length) for length, there in sides)
+                    change, second = float(np.linalg.norm(a * (ahead + behind))), a * (ahead - behind)
                 bend[index] = max(float(np.linalg.norm(second)) - rounding, 0.0) / change if change > 0.0 else np.inf
+                if space.log[index] and bend[index] < _LINEAR_LOG:
+                    columns[:, index] = 0.5 * (ahead + behind)
             elif sides:
                 columns[:, index] = (sides[0][1] - centre) / sides[0][0]
         return columns, bend
@@ -185,9 +197,10 @@ class Refinement:
 
     def _begun(self, space: SearchSpace, runs: Runs) -> Refinement:
         centre = residuals_of(runs, self.row)
-        columns, bend = self._jacobian(runs, centre, len(runs.positions) - len(self.asked))
+        columns, bend = self._jacobian(space, runs, centre, len(runs.positions) - len(self.asked))
         after = self._with_slopes(columns, centre)
-        candidates = np.flatnonzero((bend < _LINEAR) & (np.linalg.norm(columns, axis=0) > 0.0)).tolist()
+        linear = bend < np.where(space.log, _LINEAR_LOG, _LINEAR)
+        candidates = np.flatnonzero(linear & (np.linalg.norm(columns, axis=0) > 0.0)).tolist()
         point, points, moves = self.current, [], []
         for index in candidates:  # one after the other: products of two are linear in either alone
             far = FAR_MOVE if point[index] <= 0.5 else -FAR_MOVE
@@ -209,7 +222,9 @@ class Refinement:
             for place, (index, length) in enumerate(self.moves):
                 # J'J and J'r at the start tell the change that a linear parameter makes anywhere
                 sizes = changes[: place + 1] @ changes[place]
-                expected = np.array([self.curvature[i, index] * length * far for i, far in self.moves[: place + 1]])
+                reach = stretched(space, index, length)
+                before = self.moves[: place + 1]
+                expected = np.array([self.curvature[i, index] * reach * stretched(space, i, far) for i, far in before])
                 scale = np.sqrt(np.sum(changes[: place + 1] ** 2, axis=1) * sizes[-1])
                 if (np.abs(sizes - expected) > _LINEAR_FAR * np.maximum(scale, 1e-300)).any():
                     break
@@ -223,12 +238,14 @@ class Refinement:
             return self._shorter(space)
         goal, objective = trial, float(runs.objectives[first])
         rows: tuple[int, ...] = ()
+        lengths: tuple[float, ...] = ()
         if self.linear:
             if not runs.succeeded[first:].all():
                 return replace(self, linear=())._shorter(space)
             rows = tuple(range(first, first + len(self.asked)))
-            columns = slopes_of_moves(runs, rows, tuple(length for _, length in self.moves))
-            best, promised = project(trial, self.linear, residuals_of(runs, first), columns)
+            lengths = tuple(stretched(space, *move) for move in self.moves)
+            columns = slopes_of_moves(runs, rows, lengths)
+            best, promised = project(space, trial, self.linear, residuals_of(runs, first), columns)
             if admissible(space, best):
                 goal, objective = best, promised
         if objective >= self.objective:
@@ -241,7 +258,7 @@ class Refinement:
             goal=goal,
             damping=max(self.damping * factor, _LEAST_DAMPING),
             linear_rows=rows,
-            linear_moves=tuple(length for _, length in self.moves),
+            linear_moves=lengths,
             tried=first,
         )
         return after._slopes(space, both=self.fine or objective > self.objective * (1.0 - _CENTRAL_FROM))
@@ -252,14 +269,24 @@ class Refinement:
         if not runs.succeeded[row] or (runs.objectives[row] >= self.objective and row != self.row and not self.fine):
             return replace(self, linear=())._shorter(space)
         centre = residuals_of(runs, row)
-        columns, _ = self._jacobian(runs, centre, first + bool(self.linear))
+        columns, _ = self._jacobian(space, runs, centre, first + bool(self.linear))
         if self.linear:
-            columns[:, list(self.linear)] = slopes_of_moves(runs, self.linear_rows, self.linear_moves)
+            columns[:, list(self.linear)] = self._slopes_at_goal(space, runs)
         after = replace(
             self, current=self.goal, row=row, objective=float(runs.objectives[row]), iterations=self.iterations + 1
         )._with_slopes(columns, centre)
         after = after if self.fine else replace(after, promise=0.0)
         return replace(after, outcome="long") if after.iterations >= longest else after._next(space)
+
+    def _slopes_at_goal(self, space: SearchSpace, runs: Runs) -> FloatArray:
+        """Slopes along the linear parameters at the goal, shape (m, k), from the moves at the last trial."""
+        slopes = slopes_of_moves(runs, self.linear_rows, self.linear_moves)
+        trial = space.to_unit(runs.positions[self.linear_rows[0]])
+        span = space.search_upper - space.search_lower
+        for place, index in enumerate(self.linear):
+            if space.log[index]:  # the natural value is steeper where it is larger
+                slopes[:, place] *= np.exp(span[index] * (self.goal[index] - trial[index]))
+        return slopes
 
     def _goal_row(self, first: int) -> int:
         """The run at the goal: the trial before its slopes, or the current point when they are taken anew."""

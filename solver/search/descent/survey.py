@@ -21,6 +21,7 @@ from geoswarm.solver.search.descent.projection import (
     project,
     residuals_of,
     slopes_of_moves,
+    stretched,
 )
 from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.search.space import SearchSpace
@@ -77,8 +78,9 @@ class Survey:
             if not runs.succeeded[list(rows)].all():
                 continue
             point = self.asked[place]
-            columns = slopes_of_moves(runs, rows, tuple(length for _, length in far_moves(point, self.linear)))
-            best, objective = project(point, self.linear, residuals_of(runs, rows[0]), columns)
+            lengths = tuple(stretched(space, *move) for move in far_moves(point, self.linear))
+            columns = slopes_of_moves(runs, rows, lengths)
+            best, objective = project(space, point, self.linear, residuals_of(runs, rows[0]), columns)
             if admissible(space, best):
                 found.append((objective, best))
         found.sort(key=lambda pair: pair[0])

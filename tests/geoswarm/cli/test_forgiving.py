@@ -217,3 +217,6 @@ def test_readings_that_no_soil_can_have_need_accept(tmp_path: Path, capsys: pyte
     assert "is more than the height of the specimen" in capsys.readouterr().err
     assert main(["check", str(path), "--accept", "settlements"]) == 2
     assert "accept[0]: unknown series 'settlements'; did you mean settlement?" in capsys.readouterr().err
+    path.write_text(json.dumps(document | {"noise": {"kind": "white", "series": ["settlements"]}}), encoding="utf-8")
+    assert main(["check", str(path), "--accept", "settlement"]) == 2
+    assert "noise.series[0]: unknown series 'settlements'; did you mean settlement?" in capsys.readouterr().err

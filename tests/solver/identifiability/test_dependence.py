@@ -19,6 +19,7 @@ from geoswarm.solver.identifiability.residuals.dependence import (
     dependence_in_words,
     dependence_of,
 )
+from geoswarm.solver.problem import parse_problem
 from tests.solver.identifiability.cases import WHITE, free, linearised, problem_of
 
 COUNT = 30
@@ -111,6 +112,23 @@ def test_few_readings_cannot_exclude_a_correlation(count: int, least: float, mos
         assert not unknown.departures
     else:
         assert not unknown.dependence
+
+
+def test_noise_is_stated_for_one_series_alone() -> None:
+    """Of two series, what is known of one says nothing of the other."""
+    x = np.linspace(0.0, 2.0, 12)
+    scatter = 0.1 * np.cos(1.7 * np.arange(12))
+    model = {"kind": "formula", "series": {"u": "a + b * x", "v": "a - b * x"}}
+    points = [{"series": name, "points": {"x": x.tolist(), "y": (3.0 + scatter).tolist()}} for name in model["series"]]
+    given = {name: free(-9.0, 9.0) for name in "ab"}
+    kinds = {}
+    for kind in ("white", "correlated"):
+        noise = {"kind": kind, "series": ["u"]}
+        document = {"forward_model": model, "parameters": given, "observations": points, "noise": noise}
+        problem = parse_problem(document | {"stopping": {"max_evaluations": 30}})
+        assert problem.document()["noise"] == noise
+        kinds[kind] = {one.series: one.kind for one in linearised(problem, [3.0, 0.0]).dependence}
+    assert kinds == {"white": {"v": "possible"}, "correlated": {"u": "stated", "v": "possible"}}
 
 
 def test_standard_errors_do_not_allow_for_dependence_and_intervals_are_never_narrower() -> None:

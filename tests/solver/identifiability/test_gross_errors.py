@@ -116,6 +116,19 @@ def test_how_often_a_reading_is_named(known: bool) -> None:
     assert found > (0.95 if known else possible - 0.02)
 
 
+def test_one_of_five_thousand_readings_is_named() -> None:
+    """Series of more than 2000 readings, whose patterns are looked for in means, were not searched."""
+    x = np.linspace(0.0, 5.0, 5001)
+    y = 1.0 + 2.0 * x + np.random.default_rng(6).normal(0.0, 0.1, x.size)
+    right = 3217
+    y[right] *= 10.0
+    parameters = {"a": free(-20.0, 20.0), "b": free(-20.0, 20.0)}
+    columns = np.stack([np.ones_like(x), x], axis=1)
+    found = linearised(problem_of("a + b * x", parameters, y, x), np.linalg.lstsq(columns, y, rcond=None)[0].tolist())
+    assert (found.fit.kind, [one.reading for one in found.fit.misfits]) == ("gross_error", [right + 1])
+    assert "10 times smaller it would fit" in found.fit.sentence
+
+
 def test_a_series_of_another_slope_is_no_gross_error() -> None:
     """Where series share parameters, the scatter of the others was said to be nothing: "inf standard deviations"."""
     random = np.random.default_rng(5)

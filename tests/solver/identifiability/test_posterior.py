@@ -11,6 +11,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.stored.posterior import sample_posterior
 from geoswarm.solver.identifiability.stored.surface import fit_surface
+from geoswarm.solver.problem import parse_problem
 from tests.solver.identifiability.cases import X, free, linearised, problem_of, sampled
 
 Y = 3.0 * X + 2.0 + np.random.default_rng(1).normal(0.0, 0.3, X.size)
@@ -30,6 +31,16 @@ def test_a_line_has_students_or_the_normal_posterior(noise: float | None) -> Non
     np.testing.assert_allclose(widths, expected, rtol=0.12)
     np.testing.assert_allclose(found.correlation[0, 1], exact.correlation()[0, 1], atol=0.05)
     json.dumps(found.to_json(), allow_nan=False)
+
+
+def test_errors_that_are_taken_as_independent_are_named() -> None:
+    parameters = {"a": free(1.5, 4.5), "b": free(-1.0, 5.0)}
+    problem, samples = sampled("a * x + b", parameters, Y, 500)
+    said = "the errors of the readings of y are taken as independent"
+    found = sample_posterior(Calibration(problem, 1), samples, steps=100)
+    assert any(said in one for one in found.warnings)
+    white = parse_problem(problem.document() | {"noise": {"kind": "white", "series": ["y"]}})
+    assert not any(said in one for one in sample_posterior(Calibration(white, 1), samples, steps=100).warnings)
 
 
 def test_no_interval_where_the_sample_reaches_the_bounds() -> None:

@@ -82,6 +82,25 @@ def test_nothing_is_identified_far_from_the_minimum() -> None:
     assert "not the minimum yet" in far.sentence
 
 
+def test_nothing_is_identified_where_the_fit_is_too_far_from_the_minimum_to_be_tested() -> None:
+    """Parameters of a line far from x = 0 act alike: each is within a standard error, both together are not."""
+    x = np.linspace(5.0, 7.0, 20)
+    y = 1.0 + 2.0 * x + np.random.default_rng(7).normal(0.0, 0.1, x.size)
+    problem = problem_of("a + b * x", {"a": free(-20.0, 20.0), "b": free(-20.0, 20.0)}, y, x)
+    best = np.linalg.lstsq(np.stack([np.ones_like(x), x], axis=1), y, rcond=None)[0]
+    at = best + 0.9 * linearised(problem, best.tolist()).standard_errors * [1.0, 0.0]
+    found = linearised(problem, at.tolist())
+    assert found.far is not None
+    assert found.far < 1.0
+    assert (found.fit.kind, found.misplaced) == ("untested", True)
+    calibration = Calibration(problem, 1)
+    value = calibration.evaluate(at).objective
+    assert value is not None
+    samples = Samples.from_arrays(problem, at[None], np.array([value]))
+    verdicts = analyse(calibration, samples, linearisation=found).verdicts
+    assert [verdict.kind for verdict in verdicts] == ["undecided", "undecided"]
+
+
 def test_a_swarm_alone_decides_nothing() -> None:
     problem = problem_of("a * x", {"a": free()}, 3.0 * X + NOISE)
     statistics = analyse(Calibration(problem, 1), Samples.from_result(problem, calibrate(problem)))

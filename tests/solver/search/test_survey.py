@@ -71,10 +71,27 @@ def test_a_projection_is_the_solution_of_the_normal_equations_and_tells_its_obje
     random = np.random.default_rng(2)
     columns, wanted = random.standard_normal((30, 2)), random.standard_normal(30)
     point = np.array([0.5, 0.4, 0.6])
-    best, objective = project(point, (0, 2), 0.01 * wanted, columns)
+    best, objective = project(space(), point, (0, 2), 0.01 * wanted, columns)
     step = np.linalg.solve(columns.T @ columns, -columns.T @ (0.01 * wanted))
     np.testing.assert_allclose(best, point + np.array([step[0], 0.0, step[1]]), rtol=1e-12)
     assert objective == pytest.approx(float(((0.01 * wanted + columns @ step) ** 2).sum()), rel=1e-12)
+
+
+def test_a_projection_is_linear_in_natural_values_on_a_log_scale_too() -> None:
+    """From 1 to 10^4: r = c p + r0, whatever the place at which the slope is known."""
+    random = np.random.default_rng(3)
+    column, wanted = random.standard_normal((30, 1)), random.standard_normal(30)
+    searched = SearchSpace(("p",), np.array([1.0]), np.array([1e4]), np.array([True]), lambda _: True)
+    best = 40.0
+    wanted -= column[:, 0] * float(column[:, 0] @ wanted) / float(column[:, 0] @ column[:, 0])  # nothing of it in c
+    for place in (0.2, 0.9):
+        point = np.array([place])
+        natural = float(searched.from_unit(point)[0])
+        residuals_there = wanted + column[:, 0] * (natural - best)
+        slope = column * natural * np.log(1e4)
+        found, objective = project(searched, point, (0,), residuals_there, slope)
+        assert searched.from_unit(found)[0] == pytest.approx(best, rel=1e-9)
+        assert objective == pytest.approx(float(wanted @ wanted), rel=1e-9)
 
 
 def test_constraints_hold_and_failed_points_are_left_out() -> None:

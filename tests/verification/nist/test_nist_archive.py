@@ -65,6 +65,21 @@ def test_a_polished_search_ends_at_the_certified_values(name: str) -> None:
     assert case.digits(result.best.parameters) >= 6.0
 
 
+@pytest.mark.parametrize(("name", "start"), [("MGH10", 1), ("MGH10", 2), ("Lanczos3", 1), ("Hahn1", 2)])
+def test_bounds_four_decades_apart_keep_no_search_from_the_minimum(name: str, start: int) -> None:
+    """On a log scale nothing was found to enter linearly, and the search followed its valley until all runs were used.
+
+    Bounds are the start values over and times 100, or 1000 where the certified values lie beyond.
+    """
+    case = archive_set(name)
+    factor = 1000.0 if (name, start) == ("MGH10", 1) else 100.0
+    document = case.document(start, factor, "log", answer={"max_evaluations": "off"})
+    result = calibrate(parse_problem(document), seed=2)
+    assert result.stop_reasons == ("polished",)
+    assert result.objective is not None
+    assert result.objective * len(case.x) == pytest.approx(case.residual_sum_of_squares, rel=1e-6)
+
+
 def improvable(case: ArchiveSet, result: CalibrationResult) -> float:
     """By which share SciPy's least squares lower the sum of squares from the best set, inside the bounds."""
     calibration = Calibration(parse_problem(case.document()), 1)

@@ -16,7 +16,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.prediction.bands import weighted_quantiles
-from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around
+from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around, take_from
 from geoswarm.solver.identifiability.prediction.question import predict_problem
 from geoswarm.solver.identifiability.stored.findings import findings_of
 from geoswarm.solver.problem import Problem
@@ -89,6 +89,17 @@ def test_bands_of_90_percent_hold_the_truth_in_87_to_93_percent_of_500_repeats(n
     held = coverage(CASES[name], 500, seed=11)
     assert (held >= 0.87).all(), held
     assert (held <= 0.93).all(), held
+
+
+def test_draws_of_a_posterior_scatter_as_much_wider_as_intervals_do() -> None:
+    """They came as they were, of independent errors, and the remark said that they scattered as intervals do."""
+    calibration = Calibration(line(), 1)
+    optimum = np.array([1.0, 2.0])
+    drawn = optimum + np.random.default_rng(4).normal(0.0, 0.01, (4000, 2))
+    plain, wider = (take_from(calibration, optimum, drawn, 4000, (), 8.0, 1, widening) for widening in (1.0, 3.0))
+    np.testing.assert_allclose(wider.parameters - optimum, 3.0 * (plain.parameters - optimum), atol=1e-12)
+    with pytest.raises(StatisticsError, match="only 0 of 4000 draws"):
+        take_from(calibration, optimum, drawn, 4000, (), 8.0, 1, 1e9)
 
 
 def test_all_basins_take_part_by_their_weights() -> None:
