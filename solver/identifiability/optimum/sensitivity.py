@@ -201,7 +201,7 @@ def _dependence(
         places = start + np.flatnonzero(weights[start : start + o.y.size] > 0)
         places = places[np.argsort(o.x[places - start], kind="stable")]
         first, start = start, start + o.y.size
-        if is_exact(o, jacobian.responses[o.series] - o.y):
+        if is_exact(o, o.residuals(jacobian.responses[o.series])):
             continue
         one = dependence_of(
             o.series,
