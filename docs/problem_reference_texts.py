@@ -167,7 +167,7 @@ the keys below, a row has
 - the columns of its series by name: `void_ratio` or `axial_strain` (oedometer), `void_ratio` or `volumetric_strain`
   (isotropic_compression), `q`, `p`, `volumetric_strain`, `pore_pressure`, `void_ratio`, `stress_ratio`,
   `radial_strain`, `axial_stress` or `radial_stress` over the axial strain (triaxial). With `_unit`, `_factor`,
-  `_error` or `_weight` behind the name: `q_error: 2`;
+  `_error`, `_weight` or `_distance` behind the name: `q_error: 2`, `q_distance: orthogonal`;
 - of the keys of an observation: `decimal_sign`, `incomplete_rows`, `where`, `sort`, `repeated_x`, `resample`,
   `y_zero`, `gross_error_column`, `x_factor`, `loss` and `loss_scale`, and of shearing `x_from` and `x_to`.
 """

@@ -18,6 +18,7 @@
 ``runs``                the in-process loop, the reference for the distributed engine; a try before
 ``identifiability``     what the data can tell: verdicts, uncertainty
 ``report``              figures, tables and reports
+``residuals``           what a residual is and what it counts: distances, robust losses
 ``sentences``           sentences that name keys of the problem, which each surface words
 ``words``               numbers, durations and states as a reader sees them
 ``ags``                 files of ground investigations in the AGS 4 format: what a laboratory delivers, as a problem
@@ -38,7 +39,6 @@
 ``external``            what a forward model that is a program of the user's is made of
 ``laboratory``          laboratory tests on any law, as forward models: at a material point, or a column of points in
                         which water flows
-``loss``                robust losses: what a reading far from the curve counts
 ``parameter_info``      one parameter of a calculation, as its users see it
 ``progress``            where a calibration stands: its state between generations, when it stops, and what it returns
 ``registered``          models that the operator of a service registers: a folder with ``model.yaml`` and the files of a

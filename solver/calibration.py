@@ -17,7 +17,7 @@ from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.search.runs import Runs
 from geoswarm.solver.space import search_space
 
-__all__ = ["Calibration", "Evaluation", "WarmStartRuns", "choose_seed", "with_further_tries"]
+__all__ = ["Calibration", "Evaluation", "WarmStartRuns", "choose_seed", "objective_of", "with_further_tries"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +63,13 @@ class Evaluation:
     seconds: float
 
 
+def objective_of(problem: Problem) -> LeastSquares:
+    """The objective of a problem."""
+    return LeastSquares(
+        [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight, o.loss, o.along) for o in problem.observations]
+    )
+
+
 class Calibration:
     """A problem made ready: its forward run, objective and search space.
 
@@ -83,9 +90,8 @@ class Calibration:
         self.problem = problem
         self.seed = seed
         self.free_names = problem.free_names
-        observed = [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight, o.loss) for o in problem.observations]
-        self.objective = LeastSquares(observed)
-        self.grids = {series.series: series.x for series in observed}
+        self.objective = objective_of(problem)
+        self.grids = {o.series: o.x for o in problem.observations}
         self.space = search_space(problem)
         self.offered = None
         if offer is not None and len(offer.parameters):

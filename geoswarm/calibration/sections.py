@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geoswarm.solver.errors import Issue, ProblemError
+from geoswarm.solver.residuals.distance import Distance
 
 __all__ = ["Section", "fixed", "free", "linked", "observed", "series"]
 
@@ -99,6 +100,7 @@ def observed(
     error: float | None = None,
     weight: float = 1.0,
     weights: npt.ArrayLike | None = None,
+    distance: Distance | None = None,
     x_unit: str | None = None,
     y_unit: str | None = None,
     inputs: Mapping[str, npt.ArrayLike] | None = None,
@@ -122,6 +124,9 @@ def observed(
         Weight of the series in the objective.
     weights
         Weights of the points, shape (m,); all 1 if absent.
+    distance
+        ``orthogonal``: residuals are the distances of the readings from the calculated curve, as for peaks that may
+        shift along x; differences of y if absent.
     x_unit, y_unit
         Units of the data; those of the series if absent. A function without ``series`` uses these units, too.
     inputs
@@ -148,6 +153,7 @@ def observed(
         points["inputs"] = {name: _numbers(f"inputs.{name}", values) for name, values in inputs.items()}
     given = {
         "error": error,
+        "distance": distance,
         "x_unit": x_unit,
         "y_unit": y_unit,
         "repeated_x": repeated_x,

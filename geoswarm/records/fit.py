@@ -47,6 +47,7 @@ class FitSeries:
     gross_x: Measured = described("of readings marked as gross errors, which are in no misfit")
     gross_measured: Measured
     x_names: list[str] = described("what x = 1, 2, ... is called; empty where x is a quantity", default_factory=list)
+    distance: Literal["vertical", "orthogonal"] = described("how its residuals are measured", default="vertical")
 
 
 @record(eq=False)
@@ -60,6 +61,9 @@ class FitCurve:
     parameters: dict[str, float] = described("all of them, by name")
     shares: list[SeriesShare]
     values: dict[str, Floats] = described("calculated values of each series, in its y_unit")
+    residuals: dict[str, Floats] = described(
+        "of each series, in its y_unit: calculated less measured, or distances from the calculated curve"
+    )
 
 
 @record(eq=False)

@@ -29,6 +29,7 @@ __all__ = [
     "NotedResponse",
     "ParameterInfo",
     "SeriesInfo",
+    "TellsIncomplete",
     "TellsUnused",
     "in_unit",
 ]
@@ -183,6 +184,23 @@ class TellsUnused(Protocol):
 
     def unused(self, names: Collection[str]) -> tuple[str, ...]:
         """Return those of the given parameters that change nothing."""
+
+
+@runtime_checkable
+class TellsIncomplete(Protocol):
+    """A model that needs one of several parameters, such as a void ratio or what it follows from.
+
+    Examples
+    --------
+    >>> class Spring:
+    ...     def incomplete(self, declared):
+    ...         return None if len({"k", "compliance"} & set(declared)) == 1 else "give exactly one of k and compliance"
+    >>> isinstance(Spring(), TellsIncomplete), Spring().incomplete(["E"])
+    (True, 'give exactly one of k and compliance')
+    """
+
+    def incomplete(self, declared: Collection[str]) -> str | None:
+        """What is missing among the names of the parameters given, in words, or None."""
 
 
 def in_unit(

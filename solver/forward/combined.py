@@ -24,8 +24,15 @@ from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ForwardRun, ParameterInfo, SeriesInfo
+from geoswarm.solver.errors import ForwardError, Issue, ProblemError, message_of
+from geoswarm.solver.forward.base import (
+    ForwardModel,
+    ForwardModelSpec,
+    ForwardRun,
+    ParameterInfo,
+    SeriesInfo,
+    TellsIncomplete,
+)
 from geoswarm.solver.forward.registry import AnyForwardModelSpec, built, find_spec
 from geoswarm.solver.words import listed
 
@@ -203,6 +210,16 @@ class CombinedModel:
         }
         return [info for info in self._shared if info.name in needed]
 
+    def incomplete(self, declared: Collection[str]) -> str | None:
+        """What parts lack among the parameters given, with their names."""
+        faults: dict[str, list[str]] = {}
+        for part in self._parts.values():
+            if isinstance(part.model, TellsIncomplete):
+                own = {shared for shared, name in part.own_names if shared in declared or name in declared}
+                if (fault := part.model.incomplete(own)) is not None:
+                    faults.setdefault(fault, []).append(part.name)
+        return "; ".join(f"{listed(parts)}: {fault}" for fault, parts in faults.items()) or None
+
     def grid(self, series: str) -> FloatArray:
         """Points x, shape (n,), at which to show the whole curve of ``part.series``."""
         part, _, name = series.partition(".")
@@ -231,11 +248,14 @@ class CombinedModel:
         runs = [(self._parts[name], _prepared(self._parts[name], wanted)) for name, wanted in by_part.items()]
 
         def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
-            return {
-                f"{part.name}.{name}": response
-                for part, calculate in runs
-                for name, response in calculate(part.values(parameters)).items()
-            }
+            found: dict[str, FloatArray] = {}
+            for part, calculate in runs:
+                try:
+                    responses = calculate(part.values(parameters))
+                except ForwardError as error:
+                    raise _of_part(part.name, error) from error
+                found |= {f"{part.name}.{name}": response for name, response in responses.items()}
+            return found
 
         return run
 
@@ -261,6 +281,13 @@ def parts_of(spec: ForwardModelSpec, model: ForwardModel) -> tuple[ModelPart, ..
         ModelPart(name, part, model.part(name), partial(model.part_values, name))
         for name, part in spec.by_part().items()
     )
+
+
+def _of_part(name: str, error: ForwardError) -> ForwardError:
+    """The failure of a part, with its name and its reason."""
+    named = ForwardError(f"{name}: {message_of(error)}")
+    named.reason = error.reason
+    return named
 
 
 def _prepared(part: _Part, points: Mapping[str, FloatArray]) -> ForwardRun:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
@@ -26,7 +26,7 @@ from geoswarm.solver.forward.isolation import run_isolated
 from geoswarm.solver.forward.staged_history import history_of, voids
 from geoswarm.solver.forward.staged_section import SpecimenMesh, StagedLoadSpec
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.laws.initial_state import settled, void_ratio_parameters, voids_column
+from geoswarm.solver.laws.initial_state import incomplete, settled, void_ratio_parameters, voids_column
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.user_laws.law import UserLaw
 
@@ -109,6 +109,10 @@ class StagedLoadModel(ABC):
         defaults = {info.name: info.default for info in self._parameters}
         choices = {one.name: getattr(self.spec, one.name, one.default) for one in self.law.settings}
         return self.law.soil({**defaults, **parameters, **choices})
+
+    def incomplete(self, declared: Collection[str]) -> str | None:
+        """What the law lacks among the parameters given."""
+        return incomplete(self.law, self._parameters, declared)
 
     @property
     def open_parameters(self) -> bool:

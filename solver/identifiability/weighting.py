@@ -12,11 +12,12 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.calibration import objective_of
 from geoswarm.solver.errors import NotFiniteError
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.noise import known_noise, problem_noise
 from geoswarm.solver.identifiability.samples import Samples
-from geoswarm.solver.objective import LeastSquares, ObservedSeries, counted_in_order
+from geoswarm.solver.objective import counted_in_order
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.problem.weighting import WEIGHTINGS, SeriesShare, Weighting, scheme_factors, series_shares
 
@@ -104,7 +105,7 @@ def spread_weights(problem: Problem, responses: Mapping[str, FloatArray]) -> dic
     found = {}
     for o in problem.observations:
         used = counted_in_order(o.x, o.point_weights)
-        sizes = np.abs(responses[o.series] - o.y)[used]
+        sizes = np.abs(o.residuals(responses[o.series]))[used]
         if used.size < _FEWEST_FOR_SPREAD or not sizes.any():
             continue
         counts = o.chosen_points().counts[used]
@@ -192,9 +193,7 @@ def reweight(
     elif weighting is not None:
         weights = scheme_weights(problem, cast(Weighting, weighting), noise=noise)
     changed = reweighted_problem(problem, weights=weights, point_weights=point_weights)
-    objective = LeastSquares(
-        [ObservedSeries(o.series, o.x, o.y, o.point_weights, o.weight, o.loss) for o in changed.observations]
-    )
+    objective = objective_of(changed)
     series = [o.series for o in changed.observations]
     if samples.responses:
         rows = (

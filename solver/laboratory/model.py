@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,6 +24,7 @@ from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault
 from geoswarm.solver.laws.base import Law, Soil
 from geoswarm.solver.laws.initial_state import (
     horizontal_stress,
+    incomplete,
     knows_voids,
     settled,
     void_ratio_parameters,
@@ -55,6 +56,10 @@ class LaboratoryModel(ABC):
     def law_parameters(self) -> tuple[ParameterInfo, ...]:
         """Parameters of the law, with what the section settles."""
         return void_ratio_parameters(self.law, self.spec.initial_void_ratio)
+
+    def incomplete(self, declared: Collection[str]) -> str | None:
+        """What the law lacks among the parameters given."""
+        return incomplete(self.law, self.law_parameters, declared)
 
     @property
     def open_parameters(self) -> bool:

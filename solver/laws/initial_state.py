@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import replace
 
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Soil
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["horizontal_limits", "horizontal_stress", "knows_voids", "settled", "void_ratio_parameters", "voids_column"]
+__all__ = [
+    "horizontal_limits",
+    "horizontal_stress",
+    "incomplete",
+    "knows_voids",
+    "settled",
+    "void_ratio_parameters",
+    "voids_column",
+]
 
 _KEY = "initial_void_ratio"
 
@@ -38,6 +47,23 @@ def void_ratio_parameters(law: Law, given: float | None) -> tuple[ParameterInfo,
         return replace(info, default=value, lower=value, upper=value, lower_open=False, upper_open=False, set_by=_KEY)
 
     return tuple(known(info) for info in law.parameters)
+
+
+def incomplete(law: Law, infos: tuple[ParameterInfo, ...], declared: Collection[str]) -> str | None:
+    """What a law lacks in a test whose section settles some of its parameters, in words, or None.
+
+    Parameters
+    ----------
+    infos
+        Parameters of the law, as :func:`void_ratio_parameters` returns them.
+    declared
+        Names of those that the problem gives.
+    """
+    fault = law.incomplete(frozenset(declared) | {info.name for info in settled(infos) if info.default})
+    if fault is None:
+        return None
+    also = f", or {_KEY} of the test" if "e0" in fault.split() and voids_column(law) is not None else ""
+    return f"{fault}{also}; material {law.kind} needs it"
 
 
 def settled(infos: tuple[ParameterInfo, ...]) -> list[ParameterInfo]:

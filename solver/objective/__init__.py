@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from geoswarm.solver.loss import OUTLYING, TUNING, Loss, LossKind
 from geoswarm.solver.objective.least_squares import (
     LEAST_SLOPE,
     LeastSquares,
@@ -10,6 +9,7 @@ from geoswarm.solver.objective.least_squares import (
     PseudoReadings,
     counted_in_order,
 )
+from geoswarm.solver.residuals.loss import OUTLYING, TUNING, Loss, LossKind
 
 __all__ = [
     "LEAST_SLOPE",

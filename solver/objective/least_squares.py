@@ -3,8 +3,10 @@
     f(x) = sum_g w_g f'_g(x)                                                (1)
     f'_g(x) = (1/m) sum_h w_h (y_calc[h, g](x) - y_meas[h, g])^2            (2)
 
-A series with a robust loss has c^2 rho(w_h (y_calc - y_meas)^2 / c^2) for the square
-(:mod:`geoswarm.solver.loss`). Always minimised. Source: Meier et al. (2008), equations (1) and (2).
+The residual y_calc - y_meas may be a distance from the calculated curve (:mod:`geoswarm.solver.residuals.distance`). A
+series with a robust loss has c^2 rho(w_h r^2 / c^2) for its square (:mod:`geoswarm.solver.residuals.loss`).
+
+Always minimised. Source: Meier et al. (2008), equations (1) and (2).
 """
 
 from __future__ import annotations
@@ -17,7 +19,8 @@ import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import BadOutputError, NotFiniteError
-from geoswarm.solver.loss import Loss
+from geoswarm.solver.residuals.distance import CurveScale, residuals_of
+from geoswarm.solver.residuals.loss import Loss
 
 __all__ = ["LEAST_SLOPE", "LeastSquares", "ObservedSeries", "PseudoReadings"]
 
@@ -41,6 +44,8 @@ class ObservedSeries:
         w_g.
     loss
         Robust loss; None for squares.
+    along
+        Scales of x and y where residuals are distances from the calculated curve; None for differences of y.
     """
 
     series: str
@@ -49,6 +54,17 @@ class ObservedSeries:
     point_weights: FloatArray
     weight: float
     loss: Loss | None = None
+    along: CurveScale | None = None
+
+    def residuals(self, calculated: npt.ArrayLike) -> FloatArray:
+        """Return y_calc - y_meas, or the signed distances of the readings from the calculated curve, in units of y.
+
+        Parameters
+        ----------
+        calculated
+            Values at the readings, shape (..., m), base units.
+        """
+        return residuals_of(self.x, self.y, np.asarray(calculated), self.along)
 
 
 def counted_in_order(x: FloatArray, point_weights: FloatArray) -> IntArray:
@@ -120,18 +136,15 @@ class LeastSquares:
     def weighted_residuals(self, responses: Mapping[str, FloatArray]) -> FloatArray:
         """Return residuals of all series in a row whose squared length is the objective.
 
-        sqrt(w_g w_h / m) (y_calc - y_meas), of a series with a loss sqrt(w_g / m) sign(z) c sqrt(rho(z^2)). Responses
+        sqrt(w_g w_h / m) r, of a series with a loss sqrt(w_g / m) sign(z) c sqrt(rho(z^2)). Responses
         of shape (k, m_g) give rows of shape (k, n).
         """
         return self.with_losses(self.plain_residuals(responses))
 
     def plain_residuals(self, responses: Mapping[str, FloatArray]) -> FloatArray:
-        """Return sqrt(w_g w_h / m) (y_calc - y_meas) of all series in a row, whatever their loss."""
+        """Return sqrt(w_g w_h / m) r of all series in a row, whatever their loss."""
         return np.concatenate(
-            [
-                np.sqrt(o.weight * o.point_weights / o.y.size) * (np.asarray(responses[o.series]) - o.y)
-                for o in self.observed
-            ],
+            [np.sqrt(o.weight * o.point_weights / o.y.size) * o.residuals(responses[o.series]) for o in self.observed],
             axis=-1,
         )
 
@@ -173,7 +186,7 @@ class LeastSquares:
         """Return the least squares that a robust fit is at its optimum."""
         observed, residuals, slopes, unevenness = [], {}, {}, {}
         for o in self.observed:
-            found, slope, uneven = np.asarray(responses[o.series]) - o.y, 1.0, 0.0
+            found, slope, uneven = o.residuals(responses[o.series]), 1.0, 0.0
             if o.loss is not None:
                 z = _z(o, responses)
                 own = o.loss.slope(z)[o.point_weights > 0]
@@ -210,7 +223,7 @@ def _checked(observed: ObservedSeries, found: Mapping[str, npt.ArrayLike]) -> Fl
 
 
 def _misfit(observed: ObservedSeries, calculated: FloatArray) -> float:
-    residuals = calculated - observed.y
+    residuals = observed.residuals(calculated)
     # no BLAS: its summation order may depend on the number of threads
     with np.errstate(over="ignore"):
         if observed.loss is None:
@@ -228,5 +241,5 @@ def _misfit(observed: ObservedSeries, calculated: FloatArray) -> float:
 def _z(observed: ObservedSeries, responses: Mapping[str, FloatArray]) -> FloatArray:
     """Residuals in scales of the loss, graded by w_h."""
     assert observed.loss is not None
-    difference = np.asarray(responses[observed.series]) - observed.y
-    return np.asarray(np.sqrt(observed.point_weights) * (difference / observed.loss.scale))
+    residuals = observed.residuals(responses[observed.series])
+    return np.asarray(np.sqrt(observed.point_weights) * (residuals / observed.loss.scale))

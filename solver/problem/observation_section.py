@@ -7,13 +7,14 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import AfterValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from geoswarm.solver.loss import LossKind
 from geoswarm.solver.problem.readings.joined import BlockSection
 from geoswarm.solver.problem.readings.preparation import Resample
 from geoswarm.solver.problem.readings.zero import ZeroReading
 from geoswarm.solver.problem.tables.dates import DateForm, moment_in
 from geoswarm.solver.problem.tables.headings import known_unit
 from geoswarm.solver.problem.tables.numerals import DecimalSign
+from geoswarm.solver.residuals.distance import Distance
+from geoswarm.solver.residuals.loss import LossKind
 from geoswarm.solver.section import Section
 from geoswarm.solver.sentences import SentenceError, setting
 from geoswarm.solver.units import UnitError, base_unit
@@ -186,6 +187,11 @@ class ObservationSection(Section):
     )
     weight: float = Field(1.0, ge=0, description="weight w_g of the series in the objective")
     error: float | None = Field(None, gt=0, description="standard deviation of a reading, in y_unit, where it is known")
+    distance: Distance | None = Field(
+        None,
+        description="how residuals are measured: vertical (y calculated less measured; if absent) or orthogonal "
+        "(distance of a reading from the calculated curve, x and y in parts of their ranges; for peaks that may shift)",
+    )
     loss: LossKind | None = Field(
         None,
         description="weighs readings far from the curve less than by their square, so that outliers do not dominate "

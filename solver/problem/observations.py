@@ -12,13 +12,14 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.errors import Issue, ProblemError, SolverError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, SeriesInfo
-from geoswarm.solver.loss import TUNING, Loss
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.points import Points
 from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.readings.units import unit_of_axis
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
+from geoswarm.solver.residuals.distance import CurveScale, residuals_of
+from geoswarm.solver.residuals.loss import TUNING, Loss
 from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import UnitError, convert, meant_unit, shown_unit
 from geoswarm.solver.words import did_you_mean
@@ -28,6 +29,8 @@ __all__ = ["Observation", "build_observations", "preparation_issues"]
 _SPANNED = 0.5  # part of a test that readings in the right unit span
 _ROUNDING = 1e-9  # how far a converted x may lie beyond the end of a series, relative to that end
 _LEAST_SCALE = 1e-150  # of a loss: its square is an ordinary number
+_OF_RESIDUALS = ("distance", "loss", "loss_scale")
+_FEWEST_OF_CURVE = 3
 _MOST_ISSUES = 100
 _MOST_NAMES = 50  # known series that a message lists
 
@@ -57,8 +60,12 @@ class Observation:
     error, given_error
         Standard deviation of a point of weight 1 in the base unit, and that of a reading as the user gave it; None when
         it is not known.
-    loss, given_loss
-        Robust loss with its scale in the base unit, and loss and loss_scale as the user gave them; None for squares.
+    loss
+        Robust loss with its scale in the base unit; None for squares.
+    along
+        Ranges of x and y where residuals are distances from the calculated curve; None for differences of y.
+    given_residuals
+        distance, loss and loss_scale, as far as the user gave them.
     inputs
         Further quantities at the points, each of shape (m,), that a formula uses.
     gross_x, gross_y
@@ -86,7 +93,8 @@ class Observation:
     error: float | None = None
     given_error: float | None = None
     loss: Loss | None = None
-    given_loss: Mapping[str, Any] = field(default_factory=dict)
+    along: CurveScale | None = None
+    given_residuals: Mapping[str, Any] = field(default_factory=dict)
     chosen: BoolArray | None = None
     selection: Mapping[str, Any] = field(default_factory=dict)
     inputs: dict[str, FloatArray] = field(default_factory=dict)
@@ -112,11 +120,15 @@ class Observation:
             **{name: unit for name, unit in units.items() if unit is not None},
             "weight": self.given_weight,
             **({} if self.given_error is None else {"error": self.given_error}),
-            **self.given_loss,
+            **self.given_residuals,
             **self.selection,
             **({"gross_errors": [place + 1 for place in self.points.gross_errors]} if self.points.gross_errors else {}),
             **({"notes": list(self.points.notes)} if self.points.notes else {}),
         }
+
+    def residuals(self, calculated: FloatArray) -> FloatArray:
+        """Residuals of values at the points, shape (..., m), base units."""
+        return residuals_of(self.x, self.y, calculated, self.along)
 
     @property
     def left_out(self) -> int:
@@ -240,6 +252,9 @@ def _build(
     loss, beyond = _loss(section, deviation, units["y"], info)
     if beyond is not None:
         return None, [Issue(f"{path}.loss_scale", beyond)]
+    along = CurveScale(float(np.ptp(x)), extent) if section.distance == "orthogonal" else None
+    if along is not None and (fault := _no_curve(along, x, info)):
+        return None, [Issue(f"{path}.distance", fault)]
     return (
         Observation(
             section.series,
@@ -254,9 +269,8 @@ def _build(
             error=deviation,
             given_error=section.error,
             loss=loss,
-            given_loss={
-                name: value for name in ("loss", "loss_scale") if (value := getattr(section, name)) is not None
-            },
+            along=along,
+            given_residuals={name: value for name in _OF_RESIDUALS if (value := getattr(section, name)) is not None},
             chosen=None if chosen.all() else chosen,
             selection={name: getattr(section, name) for name in SELECTION if getattr(section, name) not in (None, [])},
             inputs={name: np.array(values, dtype=np.float64)[kept] for name, values in points.inputs.items()},
@@ -294,6 +308,16 @@ def _loss(
         most = 1.0 / _LEAST_SCALE
         return None, f"must be from {_LEAST_SCALE:g} to {most:g} {info.y_unit}, got {scale:g} {info.y_unit}"
     return Loss(section.loss, scale), None
+
+
+def _no_curve(along: CurveScale, x: FloatArray, info: SeriesInfo) -> str:
+    """Why readings have no distance from a calculated curve; empty where they have."""
+    if info.x_integer:
+        return f"orthogonal needs x along which the curve runs, but {info.x_quantity} only counts; use vertical"
+    if x.size < _FEWEST_OF_CURVE:
+        return f"orthogonal needs at least {_FEWEST_OF_CURVE} readings that take part, got {x.size}; use vertical"
+    level = [quantity for quantity, span in ((info.x_quantity, along.x), (info.y_quantity, along.y)) if not span > 0.0]
+    return f"orthogonal needs readings that vary, but {level[0]} is the same in all; use vertical" if level else ""
 
 
 def _checked_x(

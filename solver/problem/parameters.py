@@ -11,7 +11,7 @@ from typing import Literal, TypeAlias
 
 from geoswarm.solver.errors import ExpressionError, Issue
 from geoswarm.solver.expressions import CONSTANTS, FUNCTIONS, Expression, parse_expression
-from geoswarm.solver.forward.base import ForwardModel, ParameterInfo, TellsUnused
+from geoswarm.solver.forward.base import ForwardModel, ParameterInfo, TellsIncomplete, TellsUnused
 from geoswarm.solver.forward.combined import CombinedModel
 from geoswarm.solver.problem.issues import number
 from geoswarm.solver.problem.sections import FixedSection, FreeSection, LinkedSection, Scale
@@ -198,11 +198,13 @@ def check_against_model(
             Issue(f"parameters.{name}", "is used by no template, and no file of all parameters is written (write)")
             for name in model.unused(free)
         ]
+    missing = missing_parameters(model, declared)
     issues += [
         Issue(f"parameters.{info.name}", f"is missing ({_what(info)}); give bounds, a value or an expression")
-        for info in missing_parameters(model, declared)
+        for info in missing
     ]
-    return issues
+    fault = model.incomplete(declared) if isinstance(model, TellsIncomplete) else None
+    return [*issues, Issue("parameters", fault)] if fault else issues
 
 
 def _what(info: ParameterInfo) -> str:

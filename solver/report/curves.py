@@ -15,9 +15,18 @@ from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.objective import OUTLYING
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import stage_times
-from geoswarm.solver.units import convert
+from geoswarm.solver.units import convert, convert_difference
 
-__all__ = ["MOST_SHOWN", "SeriesCurve", "initial_values", "load_times", "objective_unit", "series_curves", "shown"]
+__all__ = [
+    "MOST_SHOWN",
+    "SeriesCurve",
+    "initial_values",
+    "load_times",
+    "objective_unit",
+    "residuals_in",
+    "series_curves",
+    "shown",
+]
 
 
 MOST_SHOWN = 4000
@@ -41,8 +50,10 @@ class SeriesCurve:
     x, y
         Calculated curve, shape (n,): the model's own grid up to the last measured point together with the measured
         points.
-    at_points
-        Calculated values at the measured points, shape (m,).
+    at_points, residuals
+        Calculated values and residuals at the measured points, shape (m,).
+    distances
+        Whether the residuals are distances from the calculated curve.
     initial
         Curve of the estimate to start from, shape (n,); None without one.
     gross_x, gross_y
@@ -63,6 +74,8 @@ class SeriesCurve:
     x: FloatArray
     y: FloatArray
     at_points: FloatArray
+    residuals: FloatArray
+    distances: bool = False
     initial: FloatArray | None = None
     breaks: FloatArray = field(default_factory=lambda: np.empty(0))
     gross_x: FloatArray = field(default_factory=lambda: np.empty(0))
@@ -83,13 +96,9 @@ class SeriesCurve:
             measured_x=self.measured_x[points],
             measured_y=self.measured_y[points],
             at_points=self.at_points[points],
+            residuals=self.residuals[points],
             loss_weights=None if self.loss_weights is None else self.loss_weights[points],
         )
-
-    @property
-    def residuals(self) -> FloatArray:
-        """Calculated minus measured at the measured points, shape (m,)."""
-        return self.at_points - self.measured_y
 
     @property
     def outliers(self) -> BoolArray:
@@ -204,7 +213,7 @@ def _curve(
     order = np.argsort(observation.x, kind="stable")
     weights = None
     if observation.loss is not None:
-        z = np.sqrt(observation.point_weights) * ((np.asarray(at_points) - observation.y) / observation.loss.scale)
+        z = np.sqrt(observation.point_weights) * (observation.residuals(at_points) / observation.loss.scale)
         weights = observation.loss.weight(z)
     along = np.argsort(x, kind="stable")
     return SeriesCurve(
@@ -218,12 +227,21 @@ def _curve(
         x=to_x(x)[along],
         y=to_y(np.asarray(y, dtype=np.float64))[along],
         at_points=to_y(np.asarray(at_points, dtype=np.float64))[order],
+        residuals=residuals_in(y_unit, observation, info, np.asarray(at_points, dtype=np.float64))[order],
+        distances=observation.along is not None,
         initial=None if initial is None else to_y(np.asarray(initial, dtype=np.float64))[along],
         breaks=to_x(breaks),
         gross_x=to_x(observation.gross_x),
         gross_y=to_y(observation.gross_y),
         loss_weights=None if weights is None else weights[order],
     )
+
+
+def residuals_in(unit: str, observation: Observation, info: SeriesInfo, calculated: FloatArray) -> FloatArray:
+    """Residuals of calculated values, base unit, at the points in their order, shape (m,), in ``unit``."""
+    if observation.along is None:
+        return convert(calculated, info.y_unit, unit) - convert(observation.y, info.y_unit, unit)
+    return observation.residuals(calculated) * convert_difference(1.0, info.y_unit, unit)
 
 
 def shown(*curves: FloatArray) -> IntArray:

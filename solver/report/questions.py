@@ -200,20 +200,24 @@ def prediction_question(
     seed = report.record.seed
     sample, remarks = sample_of(known, runs, seed, source=source, posterior=posterior)
     found = known.linearisation
-    deviations = {} if found.noise is None else found.noise.deviations
-    robust = {o.series for o in report.problem.observations if o.loss is not None}
     return predict_problem(
         report.problem,
         other,
         sample,
         seed=seed,
         level=level,
-        readings={series: value for series, value in deviations.items() if series not in robust},
+        readings=_errors_of(report.problem, found.noise),
         alarm=_alarm(known.statistics),
         remarks=[_CONTAINS.format(level=per_cent(level)), *remarks, *_said(known, sample)],
         of=of,
         programs=programs,
     )
+
+
+def _errors_of(problem: Problem, noise: Noise | None) -> dict[str, float]:
+    """Errors of a reading by series, base units, without those whose noise is one of pseudo residuals or distances."""
+    plain = [o.series for o in problem.observations if o.loss is None and o.along is None]
+    return {} if noise is None else {series: noise.deviations[series] for series in plain}
 
 
 def design_question(
@@ -248,8 +252,7 @@ def design_question(
     found, seed = known.linearisation, report.record.seed
     assert found.noise is not None  # or its basins would have no shape
     freedom = found.noise.degrees_of_freedom
-    robust = {o.series for o in report.problem.observations if o.loss is not None}
-    errors = {series: value for series, value in found.noise.deviations.items() if series not in robust}
+    errors = _errors_of(report.problem, found.noise)
     remarks = [
         "expected from sensitivities, for readings with independent errors of the stated size, and a model that "
         "describes them"

@@ -43,6 +43,9 @@ def test_a_fit_has_the_units_of_the_user_and_rises_in_x(engine: Engine, job: str
     assert (first["generation"], first["particle"], first["parameters"]["a"]) == (0, 0, 1.0)
     a, b = best["parameters"]["a"], best["parameters"]["b"]
     assert best["values"]["settlement"] == pytest.approx(1000 * (a + b * np.array([0, 60, 120]) / 1440), rel=1e-9)
+    left = np.array(best["values"]["settlement"]) - series["measured"]
+    assert best["residuals"]["settlement"] == pytest.approx(left, rel=1e-9, abs=1e-9)
+    assert series["distance"] == "vertical"
     assert best["objective"] == engine.service.get(job).objective
     assert [share["share"] for share in best["shares"]] == [pytest.approx(1.0, abs=1e-12)]
     assert best["shares"][0]["root_mean_square"] >= 0.0
@@ -50,6 +53,22 @@ def test_a_fit_has_the_units_of_the_user_and_rises_in_x(engine: Engine, job: str
     forms = {parameter["name"]: parameter["form"] for parameter in fit["parameters"]}
     assert forms == {"a": "free", "b": "free", "c": "fixed"}
     assert (fit["parameters"][0]["lower"], fit["parameters"][0]["initial"], fit["parameters"][2]["value"]) == (-5, 1, 2)
+
+
+def test_distances_from_the_curve_are_the_residuals_in_the_unit_of_the_user(engine: Engine) -> None:
+    observed = [CHANGES["observations"][0] | {"distance": "orthogonal"}]
+    view, _ = engine.service.submit(parse_problem(line_problem(**CHANGES | {"observations": observed})))
+    wait_for_end(engine.service, view.id)
+    fit = App(engine.service).get(f"{API}/jobs/{view.id}/fit").json()
+    (series,), best = fit["series"], fit["curves"][-1]
+    assert series["distance"] == "orthogonal"
+    x, y, line = (np.array(values) for values in (series["x"], series["measured"], best["values"]["settlement"]))
+    slope = (line[-1] - line[0]) / 120.0 * np.ptp(x) / np.ptp(y)  # of a line, in parts of the ranges
+    across = np.abs(line - y) / np.sqrt(1.0 + slope**2)
+    distances = np.array(best["residuals"]["settlement"])
+    assert (np.sign(distances) == np.sign(line - y)).all()
+    assert (np.abs(distances) >= across * (1.0 - 1e-9)).all()  # beyond the ends of the line it is farther
+    assert distances[1] == pytest.approx(np.sign(line - y)[1] * across[1], rel=1e-9, abs=1e-9)
 
 
 def test_gross_errors_are_told_beside_the_measured_points(engine: Engine) -> None:

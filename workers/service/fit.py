@@ -14,7 +14,7 @@ from geoswarm.records.fit import Fit, FitCurve, FitDiagram, FitDiagrams, FitPara
 from geoswarm.records.statistics import SeriesShare
 from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
 from geoswarm.solver.problem.weighting import series_shares
-from geoswarm.solver.report.curves import load_times, objective_unit
+from geoswarm.solver.report.curves import load_times, objective_unit, residuals_in
 from geoswarm.solver.report.figures.labels import parameter_labels
 from geoswarm.solver.units import convert
 from geoswarm.workers.service.job_service import JobService
@@ -164,6 +164,7 @@ def _series(problem: Problem, orders: Mapping[str, npt.NDArray[np.intp]]) -> lis
                 gross_x=convert(observation.gross_x, info.x_unit, x_unit),
                 gross_measured=convert(observation.gross_y, info.y_unit, y_unit),
                 x_names=list(info.x_names),
+                distance="vertical" if observation.along is None else "orthogonal",
             )
         )
     return listed
@@ -176,13 +177,15 @@ def _curve(
     view: Evaluation,
 ) -> FitCurve:
     infos = {info.name: info for info in problem.model.series}
-    values = {}
+    values, residuals = {}, {}
     for observation in problem.observations:
         if view.responses is not None and observation.series in view.responses:
             info = infos[observation.series]
             calculated = np.array(view.responses[observation.series].y, dtype=np.float64)
             y_unit = observation.y_unit or info.y_unit
-            values[observation.series] = convert(calculated, info.y_unit, y_unit)[orders[observation.series]]
+            order = orders[observation.series]
+            values[observation.series] = convert(calculated, info.y_unit, y_unit)[order]
+            residuals[observation.series] = residuals_in(y_unit, observation, info, calculated)[order]
     misfits = {series: misfit for series, misfit in view.misfits.items() if misfit is not None}
     return FitCurve(
         role=role,
@@ -192,4 +195,5 @@ def _curve(
         parameters=problem.values([view.parameters[name] for name in problem.free_names]),
         shares=[SeriesShare(**asdict(share)) for share in series_shares(problem, misfits)] if misfits else [],
         values=values,
+        residuals=residuals,
     )

@@ -25,7 +25,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Jacobian:
-    """Derivatives of the responses.
+    """Derivatives of the residuals: where these are differences of y, those of the responses.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def residual_rows(calibration: Calibration, evaluations: Sequence[Evaluation]) -
 
 
 def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations: Sequence[Evaluation]) -> Jacobian:
-    """Differentiate the responses from the evaluations of a plan; failed ones are left out.
+    """Differentiate residuals, of differences of y the responses, from evaluations of a plan; failed ones are left out.
 
     Raises
     ------
@@ -132,8 +132,8 @@ def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations:
     centre = evaluations[0]
     if centre.reason is not None:
         raise StatisticsError(f"the evaluation of the optimum failed ({centre.reason}): {centre.message}")
-    names = [o.series for o in calibration.objective.observed]
-    derivatives = {s: np.empty((centre.responses[s].size, len(plan.optimum))) for s in names}
+    observed = calibration.objective.observed
+    derivatives = {o.series: np.empty((o.y.size, len(plan.optimum))) for o in observed}
     errors = {s: np.empty_like(array) for s, array in derivatives.items()}
     for index, name in enumerate(calibration.free_names):
         chosen = [i for i in np.flatnonzero(plan.parameter == index).tolist() if evaluations[i].reason is None]
@@ -142,7 +142,8 @@ def differentiate(calibration: Calibration, plan: DifferenceDesign, evaluations:
                 f"sensitivities to {name} cannot be calculated: only {len(chosen)} neighbouring evaluations succeeded"
             )
         offsets = np.array([0.0, *plan.offset[chosen]])
-        for series in names:
-            values = np.stack([evaluations[i].responses[series] for i in [0, *chosen]])
-            derivatives[series][:, index], errors[series][:, index] = derivative(offsets, values)
+        for o in observed:
+            values = np.stack([evaluations[i].responses[o.series] for i in [0, *chosen]])
+            values = values if o.along is None else o.residuals(values)
+            derivatives[o.series][:, index], errors[o.series][:, index] = derivative(offsets, values)
     return Jacobian(plan.optimum, dict(centre.responses), derivatives, errors, "differences")

@@ -199,7 +199,7 @@ def _dependence(
         places = places[np.argsort(o.x[places - start], kind="stable")]
         first, start = start, start + o.y.size
         stated = calibration.problem.noise_of(o.series)
-        if stated == "white" or is_exact(o, jacobian.responses[o.series] - o.y):
+        if stated == "white" or is_exact(o, o.residuals(jacobian.responses[o.series])):
             continue
         one = dependence_of(
             o.series,

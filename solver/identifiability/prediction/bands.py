@@ -227,8 +227,9 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
         found = closeness_of(problem, list(measured), list(measured.values()))
         remarks.insert(0, f"with the values of the best fit, {in_words(found)}")
     if failed:
-        reasons = ", ".join(sorted({run.reason for run in draws if run.reason is not None}))
-        remarks.append(f"{failed} of {len(draws)} runs failed ({reasons}); the band leaves them out")
+        causes = {run.reason: f"{run.reason}: {run.message}" for run in draws if run.reason is not None}
+        such = "; ".join(causes.values())
+        remarks.append(f"{failed} of {len(draws)} runs failed, such as {such}; the band leaves them out")
     loose = [one.series for one in series if one.end_error > _LOOSE]
     if loose:
         worst = max(one.end_error for one in series)

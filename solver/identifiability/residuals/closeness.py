@@ -48,7 +48,7 @@ def _peak(quantity: str, residuals: MeasuredResiduals) -> float | None:
     measured = float(np.abs(residuals.y).max())
     if quantity not in _STRENGTHS or measured == 0.0:
         return None
-    return abs(float(np.abs(residuals.y + residuals.values).max()) / measured - 1.0)
+    return abs(float(np.abs(residuals.calculated).max()) / measured - 1.0)
 
 
 def _together(own: Sequence[Closeness]) -> Closeness:

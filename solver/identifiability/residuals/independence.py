@@ -54,7 +54,7 @@ class SeriesResiduals:
     series
         Its name.
     x, residuals
-        Points and y_calc - y_meas in the order of x, shape (m,), base units; points of weight 0 left out.
+        Points and residuals in the order of x, shape (m,), base units; points of weight 0 left out.
     deviation
         Root of the weighted mean square, base unit.
     bias
@@ -121,7 +121,7 @@ def examine_residuals(
     for o in calibration.objective.observed:
         used = counted_in_order(o.x, o.point_weights)
         x, weights = o.x[used], o.point_weights[used]
-        residuals = (responses[o.series] - o.y)[used]
+        residuals = o.residuals(responses[o.series])[used]
         scaled = residuals * np.sqrt(weights)
         known = None if noise is None or o.loss is not None else noise.get(o.series)
         one = _examine(o.series, x, residuals, scaled, weights, dimension, known)

@@ -219,11 +219,15 @@ def examine_fit(
 def _gross(
     readings: Readings, deviations: FloatArray, known: Mapping[str, float] | None
 ) -> tuple[list[Misfit], list[int]]:
-    """Readings that the others of their series exclude, and their indices; a robust loss copes with them by itself."""
+    """Readings that the others of their series exclude, and their indices; a robust loss copes with them by itself.
+
+    Of a series with distances from its curve none: they do not say what a reading would have to be.
+    """
     misfits, excluded = [], []
     basis, scaled = weighted_basis(readings.weighted), readings.scaled / deviations
     for index, (o, measured) in enumerate(zip(readings.observed, readings.measured, strict=True)):
-        if o.loss is not None or (known is None and is_exact(o, measured.values)):
+        unlike = o.loss is not None or o.along is not None
+        if unlike or (known is None and is_exact(o, measured.values)):
             continue
         own = readings.of(index)
         found = excluded_readings(scaled, basis, own, known=known is not None)

@@ -39,7 +39,7 @@ _MOST_POINTS = 2000  # more are averaged in blocks
 
 @dataclass(frozen=True, slots=True)
 class MeasuredResiduals:
-    """Calculated - measured of the readings of one series that count, in the order of x, shape (m,).
+    """Residuals and calculated values at the readings of one series that count, in the order of x, shape (m,).
 
     They are those of every table and figure: the tests themselves look at other ones, after a step to where each series
     counts by its noise. ``numbers``: of the readings in the observation, from 1; ``stages``: of the stage of each, from
@@ -49,6 +49,7 @@ class MeasuredResiduals:
     numbers: IntArray
     x: FloatArray
     y: FloatArray
+    calculated: FloatArray
     values: FloatArray
     weights: FloatArray
     stages: IntArray | None
@@ -58,15 +59,15 @@ class MeasuredResiduals:
         used = counted_in_order(o.x, o.point_weights)
         starts = stage_times(problem.forward_model, o.series)
         stages = stage_of(o.x[used], starts) if starts.size >= 2 else None
-        return cls(used + 1, o.x[used], o.y[used], (calculated - o.y)[used], o.point_weights[used], stages)
+        values = o.residuals(calculated)[used]
+        return cls(used + 1, o.x[used], o.y[used], calculated[used], values, o.point_weights[used], stages)
 
     def without(self, excluded: BoolArray) -> MeasuredResiduals:
         """The same without some readings."""
         kept = ~excluded
         stages = None if self.stages is None else self.stages[kept]
-        return MeasuredResiduals(
-            self.numbers[kept], self.x[kept], self.y[kept], self.values[kept], self.weights[kept], stages
-        )
+        x, y, calculated = self.x[kept], self.y[kept], self.calculated[kept]
+        return MeasuredResiduals(self.numbers[kept], x, y, calculated, self.values[kept], self.weights[kept], stages)
 
     @property
     def is_missed(self) -> bool:
@@ -221,4 +222,4 @@ def is_exact(o: ObservedSeries, residuals: FloatArray, most: float = _EXACT) -> 
 
 def met_to_rounding(observed: Sequence[ObservedSeries], responses: Mapping[str, FloatArray]) -> bool:
     """Whether the responses equal all readings but for rounding: there is nothing left to minimise."""
-    return all(is_exact(o, responses[o.series] - o.y, _ROUNDING) for o in observed)
+    return all(is_exact(o, o.residuals(responses[o.series]), _ROUNDING) for o in observed)

@@ -51,9 +51,8 @@ def fit_of_samples(
     observed = calibration.objective.observed
     best = samples.best
     roots = {o.series: np.sqrt(o.weight * o.point_weights / o.y.size) for o in observed}
-    moves = np.concatenate(
-        [(samples.responses[o.series] - samples.responses[o.series][best]) * roots[o.series] for o in observed], axis=1
-    )
+    plain = calibration.objective.plain_residuals(samples.responses)
+    moves = plain - plain[best]
     lengths = np.linalg.norm(moves, axis=1)
     different = np.flatnonzero(lengths > 0.0)
     nearest = different[np.argsort(lengths[different], kind="stable")][: _NEIGHBOURS * dimension]

@@ -328,7 +328,7 @@ def analyse(
         rule = evenly if samples.unbiased.all() else f"half with the lowest objectives, half {evenly}"
         warnings.insert(0, SELECTED.format(read=samples.size, total=samples.size + samples.left_out, rule=rule))
     observed = [o for o in calibration.objective.observed if o.weight > 0]
-    exact = bool(at_best) and known is None and all(is_exact(o, at_best[o.series] - o.y) for o in observed)
+    exact = bool(at_best) and known is None and all(is_exact(o, o.residuals(at_best[o.series])) for o in observed)
     if linearisation is not None and known is None and not linearisation.held:  # or would be met at the minimum
         exact |= linearisation.model.reachable > _NEARLY_ALL
     spare = None if known is not None else points - samples.dimension

@@ -15,7 +15,7 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.problem.issues import describe
 from geoswarm.solver.problem.test_table.readings import SERIES, Curve, curves_of, loads_of, unknown_keys
-from geoswarm.solver.problem.test_table.rows import Files, Row, rows_of
+from geoswarm.solver.problem.test_table.rows import Files, Row, rows_of, said_once
 
 __all__ = ["without_table"]
 
@@ -61,11 +61,14 @@ def without_table(document: dict[str, Any], files: Files) -> Iterator[dict[str, 
     if document.get(_KEY) is None:
         yield {key: value for key, value in document.items() if key != _KEY}
         return
-    plain, origins = _without(document, files)
+    try:
+        plain, origins = _without(document, files)
+    except ProblemError as error:
+        raise ProblemError(said_once(error.issues)) from None
     try:
         yield plain
     except ProblemError as error:
-        raise ProblemError(list(dict.fromkeys(map(origins.placed, error.issues)))) from None
+        raise ProblemError(said_once(map(origins.placed, error.issues))) from None
 
 
 def _without(document: dict[str, Any], files: Files) -> tuple[dict[str, Any], _Origins]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeAlias, get_args
 
@@ -18,7 +18,7 @@ from geoswarm.solver.sentences import Key
 from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import listed
 
-__all__ = ["Files", "Row", "content_of", "rows_of"]
+__all__ = ["Files", "Row", "content_of", "rows_of", "said_once"]
 
 Files: TypeAlias = Path | Mapping[str, bytes] | None
 """Where files are: a folder, what was sent by name, or nowhere (problems that came over the network)."""
@@ -33,6 +33,7 @@ FILES_REFUSED = (
     ),
 )
 _MOST_ROWS = 100
+_MOST_NAMED = 5
 _KINDS: dict[str, tuple[str, str | None]] = {
     "isotropic": ("isotropic_compression", None),
     "triaxial drained": ("triaxial", "drained"),
@@ -67,12 +68,14 @@ _TEXT = ("name", "file", "sheet", "kind", "drainage", "material", "x", "x_unit")
 class Row:
     """A row: its values by key, and where it is.
 
-    ``line`` names the line of a table (empty for a row of the problem file), ``headings`` the columns of its keys.
+    ``path`` is that of all rows. ``number`` is its line in the ``table``, or its place in the list of the problem file
+    where that is empty; ``headings`` are the columns of its keys.
     """
 
     values: Mapping[str, Any]
     path: str
-    line: str = ""
+    number: int
+    table: str = ""
     headings: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -80,13 +83,53 @@ class Row:
         """The row as a section, whose further keys are extra."""
         return SpecimenRow.model_validate(self.values)
 
-    def issue(self, key: str, message: str) -> Issue:
+    def issue(self, key: str, message: str) -> RowIssue:
         """A mistake in one of its values."""
+        return self.issue_of_all([self.number], key, message)
+
+    def issue_of_all(self, numbers: Sequence[int], key: str, message: str) -> RowIssue:
+        """A mistake that rows with these numbers share."""
         first = re.split(r"[.\[]", key, maxsplit=1)[0]
-        if self.line:
+        if self.table:
             column = f", column '{self.headings[first]}'" if first in self.headings else f", {key}" if key else ""
-            return Issue(self.path, f"{self.line}{column}: {message}")
-        return Issue(f"{self.path}.{key}" if key else self.path, message)
+            lines = f"line {numbers[0]}" if len(numbers) == 1 else f"lines {listed(_named(numbers))}"
+            path, said = self.path, f"{self.table} {lines}{column}: {message}"
+        else:
+            path = f"{self.path}[{numbers[0]}]" + (f".{key}" if key else "")
+            others = [f"{self.path}[{number}]" for number in numbers[1:]]
+            said = f"{message} (also {listed(_named(others))})" if others else message
+        return RowIssue(path, said, row=self, key=key, own=message)
+
+
+@dataclass(frozen=True, slots=True)
+class RowIssue(Issue):
+    """A mistake in a row: its ``key`` and ``own`` message, without the place of the row."""
+
+    row: Row = field(kw_only=True)
+    key: str = field(kw_only=True)
+    own: str = field(kw_only=True)
+
+
+def said_once(issues: Iterable[Issue]) -> list[Issue]:
+    """Mistakes, those that rows share once with all their rows, in the order of the first."""
+    found: dict[object, list[Issue]] = {}
+    for issue in issues:
+        shared = (issue.row.path, issue.row.table, issue.key, issue.own) if isinstance(issue, RowIssue) else issue
+        found.setdefault(shared, []).append(issue)
+    return [_together(alike) for alike in found.values()]
+
+
+def _together(alike: Sequence[Issue]) -> Issue:
+    first = alike[0]
+    if not isinstance(first, RowIssue):
+        return first
+    numbers = list(dict.fromkeys(one.row.number for one in alike if isinstance(one, RowIssue)))
+    return first.row.issue_of_all(numbers, first.key, first.own)
+
+
+def _named(rows: Sequence[object]) -> list[str]:
+    more = len(rows) - _MOST_NAMED
+    return [*map(str, rows)] if more <= 1 else [*map(str, rows[:_MOST_NAMED]), f"{more} others"]
 
 
 def content_of(files: Files, name: str) -> bytes:
@@ -130,8 +173,8 @@ def rows_of(given: Any, files: Files) -> list[Row]:
         rows = _of_table(section.table, section.table_sheet, files)
     else:
         at = "tests" if "rows" not in given or len(given) == 1 else "tests.rows"
-        rows = [Row(row, f"{at}[{place}]") for place, row in enumerate(section.rows or ())]
-    checked = [_checked(Row({**common, **row.values}, row.path, row.line, row.headings)) for row in rows]
+        rows = [Row(row, at, place) for place, row in enumerate(section.rows or ())]
+    checked = [_checked(replace(row, values={**common, **row.values})) for row in rows]
     if issues := [issue for _, found in checked for issue in found]:
         raise ProblemError(issues)
     return [row for row, _ in checked]
@@ -157,14 +200,14 @@ def _of_table(table: str, sheet: str | None, files: Files) -> list[Row]:
     headings = {key: str(heading) for key, heading in zip(keys, grid[first], strict=True)}
     rows = []
     for line, cells in below:
-        row = Row({}, "tests", f"{table} line {line}", headings)
+        row = Row({}, "tests", line, table, headings)
         values = {}
         for key, unit, cell in zip(keys, units, cells, strict=False):
             if key and cell != "":
                 values[key] = _value(row, key, unit, cell)
                 if unit is not None and key not in _BASES:  # the column of a series, with the unit that it has there
                     values.setdefault(f"{key}_unit", unit)
-        rows.append(Row(values, row.path, row.line, headings))
+        rows.append(replace(row, values=values))
     return rows
 
 
@@ -202,7 +245,7 @@ def _checked(row: Row) -> tuple[Row, list[Issue]]:
         if drainage is not None and values.setdefault("drainage", drainage) != drainage:
             return row, [row.issue("drainage", f"is {describe(values['drainage'])}, but kind is '{kind}'; give one")]
     section, issues = validated(SpecimenRow, values, "")
-    found = [row.issue(issue.path.removeprefix("."), issue.message) for issue in issues]
+    found: list[Issue] = [row.issue(issue.path.removeprefix("."), issue.message) for issue in issues]
     if section is not None:
         needed: dict[str, object] = {"kind": section.kind, "file": section.file}
         needed |= {"material": values.get("material")}
@@ -217,4 +260,4 @@ def _checked(row: Row) -> tuple[Row, list[Issue]]:
         elif section.stage_duration is not None:
             text = f"is for loads in stages, got {number(section.stage_duration)}; a triaxial test has a rate"
             found.append(row.issue("stage_duration", text))
-    return Row(values, row.path, row.line, row.headings), found
+    return replace(row, values=values), found

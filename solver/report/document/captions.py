@@ -51,7 +51,12 @@ CAPTIONS: dict[str, tuple[str, str, bool]] = {
         True,
     ),
     "sketch": ("The test", "The specimen or the ground, and the loading programme.", True),
-    "fit": ("Fit", "Measured and calculated series; residual = calculated − measured.", False),
+    "fit": (
+        "Fit",
+        "Measured and calculated series; residual = calculated − measured; distance: that of a reading from the "
+        "calculated curve, x and y in parts of their ranges.",
+        False,
+    ),
     "stages": ("Fit by stage", "Each load over the logarithm of the time since its application.", True),
     "tests": (
         "All tests",

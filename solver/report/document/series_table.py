@@ -40,6 +40,7 @@ def series_table(problem: Problem, best: BestFit) -> Table:
     columns += ("independent readings",) if counted else ()
     losses = ", ".join(f"{o.series} ({o.loss.kind})" for o in problem.observations if o.loss is not None)
     note = "Largest: calculated less measured, where it is furthest from 0."
+    note += _of_distances(problem)
     note += f" Of series with a loss, the root of the mean loss: {losses}." if losses else ""
     title = "Series in the objective of the best evaluation"
     return Table(title, columns, tuple(rows), tuple(range(1, len(columns))), note)
@@ -64,7 +65,14 @@ def comparison_table(problem: Problem, best: BestFit, compared: Compared) -> Tab
     both = [f"{number(fit.objective)} {unit}".rstrip() for fit in (best, compared.fit)]
     values = ", ".join(f"{name} {number(value)}" for name, value in compared.fit.parameters.items())
     note = f"Objective {both[0]} of the best evaluation, {both[1]} of {compared.name} ({values})."
+    note += _of_distances(problem)
     return Table(f"Compared with {compared.name}", columns, rows, tuple(range(1, len(columns))), note)
+
+
+def _of_distances(problem: Problem) -> str:
+    """Which residuals are distances."""
+    series = ", ".join(o.series for o in problem.observations if o.along is not None)
+    return f" Distances from the calculated curve, x and y in parts of their ranges: {series}." if series else ""
 
 
 def _largest(problem: Problem, fit: BestFit) -> dict[str, str]:
@@ -72,7 +80,7 @@ def _largest(problem: Problem, fit: BestFit) -> dict[str, str]:
     base = {info.name: info.y_unit for info in problem.model.series}
     found = {}
     for o in problem.observations:
-        residuals, unit = np.asarray(fit.responses[o.series]) - o.y, o.y_unit or base[o.series]
+        residuals, unit = o.residuals(np.asarray(fit.responses[o.series])), o.y_unit or base[o.series]
         found[o.series] = _with_unit(
             float(convert(residuals[np.argmax(np.abs(residuals))], base[o.series], unit)), unit
         )

@@ -119,8 +119,9 @@ def fit_rows(curves: Sequence[SeriesCurve]) -> tuple[list[str], list[list[object
     header += ["loss_weight"] if weighted else []
     rows: list[list[object]] = []
     for c in curves:
-        numbers = zip(c.measured_x.tolist(), c.measured_y.tolist(), c.at_points.tolist(), strict=True)
-        own: list[list[object]] = [[c.series, x, c.x_unit, y, f, f - y, c.y_unit] for x, y, f in numbers]
+        columns = (c.measured_x, c.measured_y, c.at_points, c.residuals)
+        numbers = zip(*(column.tolist() for column in columns), strict=True)
+        own: list[list[object]] = [[c.series, x, c.x_unit, y, f, r, c.y_unit] for x, y, f, r in numbers]
         if weighted:
             weights = [""] * len(own) if c.loss_weights is None else c.loss_weights.tolist()
             own = [[*row, weight] for row, weight in zip(own, weights, strict=True)]
@@ -157,7 +158,7 @@ def _residuals(axes: Axes, curve: SeriesCurve) -> None:
             markerfacecolor="none", markeredgecolor=MUTED, label="outlier",
         )  # fmt: skip
     axes.set_xlabel(with_unit(curve.x_quantity, curve.x_unit))
-    axes.set_ylabel(with_unit("residual", curve.y_unit))
+    axes.set_ylabel(with_unit("distance" if curve.distances else "residual", curve.y_unit))
     finish(axes, legend=bool(curve.outliers.any()))
     plain_ticks(axes, "y", log=False, most=4)
 

@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.errors import ForwardError, InfeasibleError, ProblemError
 from geoswarm.solver.forward.base import ForwardModel, ForwardRun, ParameterInfo, SeriesInfo
 from geoswarm.solver.forward.combined import CombinedModel, CombinedSpec
 from geoswarm.solver.forward.formula import FormulaSpec
@@ -136,3 +136,19 @@ def test_the_section_is_written_with_all_of_its_parts() -> None:
     document = spec.model_dump(mode="json")
     assert document["parts"]["a"]["series"]["y"]["expression"] == "a * x"
     assert CombinedSpec.model_validate(document) == spec
+
+
+def test_a_failure_names_its_part_and_keeps_its_reason() -> None:
+    class Failing(_Closed):
+        def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
+            def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
+                raise InfeasibleError(f"{', '.join(points)} has no value at p = {parameters['p']:g}")
+
+            return run
+
+    run = CombinedModel({"sound": _closed(), "dense": Failing(ParameterInfo("p", "p", "", "p."))}).prepare(
+        {"sound.y": np.array([1.0]), "dense.y": np.array([1.0])}
+    )
+    with pytest.raises(ForwardError, match="dense: y has no value at p = 1") as caught:
+        run({"p": 1.0})
+    assert caught.value.reason == "infeasible"

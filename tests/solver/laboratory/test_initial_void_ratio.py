@@ -135,3 +135,33 @@ def test_of_a_law_without_a_void_ratio_the_section_must_tell_it() -> None:
     }
     with pytest.raises(ProblemError, match="stage_void_ratio needs a void ratio above 0"):
         parse_problem(document)
+
+
+@pytest.mark.parametrize("test", [OEDOMETER, TRIAXIAL], ids=lambda one: one["kind"])
+@pytest.mark.parametrize(("material", "pair"), [("hypoplastic_sand", "e0 and e00"), ("modified_cam_clay", "e0 and N")])
+def test_without_any_void_ratio_a_problem_is_refused_before_it_runs(
+    test: dict[str, Any], material: str, pair: str
+) -> None:
+    message = f"parameters: give exactly one of {pair}, or initial_void_ratio of the test; material {material} needs it"
+    with pytest.raises(ProblemError) as caught:
+        problem(test, material, {})
+    assert str(caught.value) == message
+    assert problem(test, material, {}, initial_void_ratio=0.8)
+    assert problem(test, material, {"e0": {"expression": "0.4 + 0.4"}})
+
+
+def test_parts_without_a_void_ratio_are_named_together() -> None:
+    parts = {name: {**OEDOMETER, "material": "hypoplastic_sand"} for name in ("first", "second", "third")}
+    fixed = {name: {"value": value} for name, value in SAND.items()}
+    with pytest.raises(ProblemError) as caught:
+        parse_problem(
+            {
+                "forward_model": {"kind": "combined", "parts": parts},
+                "parameters": fixed | {"second.e0": {"value": 0.8}, "beta": {"lower": 1.0, "upper": 3.0}},
+                "observations": [
+                    {"series": f"{name}.stage_void_ratio", "points": {"x": [1], "y": [0.7]}} for name in parts
+                ],
+                "stopping": {"max_evaluations": 20},
+            }
+        )
+    assert str(caught.value).startswith("parameters: first and third: give exactly one of e0 and e00, or initial_void")

@@ -155,6 +155,18 @@ def test_a_bad_row_is_told_by_its_line_and_column(tmp_path: Path, row: str, mess
     assert any(one.startswith(message) for one in found), found
 
 
+def test_a_mistake_that_rows_share_is_said_once(tmp_path: Path) -> None:
+    heading = _TABLE.splitlines()[0]
+    table = "".join(f"t{number};cd.csv;CD;0.1;;;\n" for number in range(8))
+    (found,) = _issues(_written(tmp_path, table=f"{heading}\n{table}"))
+    assert found.startswith("tests: tests.csv lines 2, 3, 4, 5, 6 and 3 others, column 'e0': is missing: material")
+    row = {"kind": "CD", "file": "cd.csv", "material": "hypoplastic_sand", "initial_void_ratio": 0.7}
+    rows = [{**row, "name": name, "cell_pressure": -1} for name in ("a", "b", "c")]
+    assert _issues(_written(tmp_path, rows)) == [
+        "tests[0].cell_pressure: must be above 0, got -1 (also tests[1] and tests[2])"
+    ]
+
+
 def test_a_column_of_stresses_names_its_unit(tmp_path: Path) -> None:
     path = _written(tmp_path, table=_TABLE.replace("cell pressure [MPa]", "cell pressure"))
     assert _issues(path)[0] == (

@@ -39,7 +39,7 @@ export function fitPlot(fit, name, { time = "linear", initial = true } = {}) {
   const curves = fit.curves.filter(({ role, values }) => values[name] && (role !== "initial" || initial));
   const colours = { initial: colour("--muted"), best: palette()[0], chosen: palette()[1] };
   const [xTitle, yTitle] = [withUnit(series.x_quantity, series.x_unit), withUnit(series.y_quantity, series.y_unit)];
-  const left = (curve) => curve.values[name].map((value, i) => (value === null ? null : value - series.measured[i]));
+  const left = (curve) => curve.residuals[name], leftover = series.distance === "orthogonal" ? "distance" : "residual";
   const main = curves.filter(({ role }) => role !== "initial");
   const down = direction(name, series.y_quantity);
   const struck = series.gross_x.length > 0;
@@ -60,14 +60,14 @@ export function fitPlot(fit, name, { time = "linear", initial = true } = {}) {
       })),
       ...(struck && !stages ? [grossErrors(series.gross_x, series.gross_measured)] : []),
       ...main.map((curve) => ({
-        type: "scatter", mode: "markers", name: `${NAMES[curve.role]} − measured`, x, y: left(curve), yaxis: "y2", showlegend: false,
+        type: "scatter", mode: "markers", name: `${NAMES[curve.role]}: ${leftover}`, x, y: left(curve), yaxis: "y2", showlegend: false,
         marker: { color: colours[curve.role], symbol: MARKERS[curve.role], size: 5 }, ...told,
       })),
     ],
     layout: {
       xaxis: { ...axis, anchor: main.length ? "y2" : "y" },
       yaxis: { title: { text: yTitle }, domain: main.length ? [0.36, 1] : [0, 1], ...down },
-      ...(main.length ? { yaxis2: { title: { text: withUnit("residual", series.y_unit) }, domain: [0, 0.26], zeroline: true, zerolinecolor: colour("--edge"), ...down } } : {}),
+      ...(main.length ? { yaxis2: { title: { text: withUnit(leftover, series.y_unit) }, domain: [0, 0.26], zeroline: true, zerolinecolor: colour("--edge"), ...down } } : {}),
       shapes: [
         ...anchors.map((at) => ({ type: "line", x0: at, x1: at, yref: "paper", y0: 0, y1: 1, line: { color: colour("--plot-grid"), width: 1, dash: "dot" }, layer: "below" })),
         ...(stages ? stages.starts.slice(1).map((_, i) => ({ type: "line", x0: i + 0.95, x1: i + 0.95, yref: "paper", y0: 0, y1: 1, line: { color: colour("--plot-grid"), width: 1, dash: "dot" }, layer: "below" })) : []),
@@ -78,7 +78,7 @@ export function fitPlot(fit, name, { time = "linear", initial = true } = {}) {
     columns: {
       [xTitle]: series.x, [`measured ${yTitle}`]: series.measured,
       ...Object.fromEntries(curves.map((curve) => [NAMES[curve.role], curve.values[name]])),
-      ...Object.fromEntries(main.map((curve) => [`${NAMES[curve.role]}: residual`, left(curve)])),
+      ...Object.fromEntries(main.map((curve) => [`${NAMES[curve.role]}: ${leftover}`, left(curve)])),
     },
   };
 }

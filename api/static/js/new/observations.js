@@ -9,6 +9,7 @@ import { button } from "./schema_form.js";
 import { uploader } from "./upload.js";
 import { unitsOf } from "./units.js";
 
+const DISTANCES = [[undefined, "differences of y"], ["orthogonal", "distances from the curve"]];
 const LOSSES = [[undefined, "count as every reading"], ["soft_l1", "soft_l1: count less, smoothly"], ["huber", "huber: count by their distance"], ["cauchy", "cauchy: hardly count"]];
 const SCHEMES = [
   [undefined, "as given"], ["by_error", "by error: precision of the readings"],
@@ -91,6 +92,7 @@ export function observationsSection(context, place) {
         field(draft, [...path, "series"], { label: "Series", kind: "select", options: names, onchange: draw, help: about?.description }),
         unit("x"), unit("y"),
         field(draft, [...path, "weight"], { label: "Weight", kind: "number", fallback: 1, onchange: showShares }),
+        field(draft, [...path, "distance"], { label: "Residuals", kind: "select", options: DISTANCES, help: "Along the curve: for peaks that the model may reach at another x. x and y count in parts of their ranges." }),
         field(draft, [...path, "loss"], { label: "Outliers", kind: "select", options: LOSSES, help: "A loss gives readings far from the curve less weight." }),
         field(draft, [...path, "loss_scale"], { label: "Residual above which they count less", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "With a loss; from the error of a reading if absent." }),
         field(draft, [...path, "error"], { label: "Standard deviation of a reading", kind: "number", unit: one.y_unit ?? about?.y_unit, help: "Where it is known." })),
