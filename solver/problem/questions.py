@@ -15,9 +15,9 @@ from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.readings.units import USUAL, unit_of_axis
 from geoswarm.solver.problem.tables.blocks import key
 from geoswarm.solver.problem.tables.columns import Columns, Table
-from geoswarm.solver.problem.tables.headings import Heading
+from geoswarm.solver.problem.tables.headings import Heading, without_brackets
 from geoswarm.solver.problem.tables.measurements import Column, Measurements, read_measurements
-from geoswarm.solver.problem.tables.quantities import dimension_of, is_heave, is_load
+from geoswarm.solver.problem.tables.quantities import dimension_of, is_heave, is_load, quantities_of
 from geoswarm.solver.problem.tables.reading import DoubtError, TableError
 from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import UnitError, convert, same_unit
@@ -239,10 +239,13 @@ def further_doubts(
 
 
 def sign_question(section: ObservationSection, heading: Heading) -> Sentence | None:
-    """Whether a heave is read as a settlement or a strain, which has the other sign, and nobody said so."""
-    if "y_factor" in section.model_fields_set or not is_heave(heading.name):
+    """Whether a heave or a height is read as a settlement or a strain, and nobody said so."""
+    if "y_factor" in section.model_fields_set or _DOWNWARDS.search(section.series) is None:
         return None
-    if _DOWNWARDS.search(section.series) is None:
+    if "height" in quantities_of(without_brackets(heading.name)):
+        zero = setting("y_factor", "-1"), " and ", setting("y_zero", "first")
+        return f"column '{heading.name}' is a height, and {section.series} is the loss of it; give ", *zero
+    if not is_heave(heading.name):
         return None
     told = f"column '{heading.name}' is a heave, which {section.series} has with the other sign; give "
     return told, setting("y_factor", "-1"), ", or 1 where the numbers of the column have the sign of the series"

@@ -89,6 +89,8 @@ def _remedy(axis: str, altered: Alteration | None, unit: str) -> Sentence:
             return "; ", key, " says which holds"
         case "factor":
             return "; give ", factor, ", which multiplies, or ", key, ", which says what the numbers are in"
+        case "sign":
+            return "; give ", setting(factor.path, "-1"), ", or 1 where the numbers have the sign of the series"
         case "absolute":
             column = (" (", setting("y_minus"), " takes a column of it)") if axis == "y" else ()
             return "; subtract that of the atmosphere", *column, " and give ", setting(key.path, unit)

@@ -10,11 +10,13 @@ from geoswarm.solver.problem.tables.unit_words import PARTS, SUMS
 
 __all__ = ["ALTERED", "Alteration", "alteration_in", "referred_apart"]
 
-Alteration: TypeAlias = Literal["factor", "function", "sum", "absolute", "share"]
+Alteration: TypeAlias = Literal["factor", "sign", "function", "increment", "sum", "absolute", "share"]
 
 ALTERED: dict[Alteration, str] = {
     "factor": "has a factor",
+    "sign": "has a sign",
     "function": "has a function",
+    "increment": "is a step",
     "sum": "is a sum or a product",
     "absolute": "is an absolute pressure",
     "share": "is a share of full scale",
@@ -48,6 +50,12 @@ _QUOTIENT = re.compile(
     r"\s*/\s*\d+(?:[.,]\d+)?(?![\d/])"
 )
 _NORMALISED = re.compile(r"(?<!\w)norm(?:ali[sz]ed|alisiert\w*|iert\w*)", re.IGNORECASE)
+_SIGN = re.compile(
+    r"^[-−–]\s?[^\W\d]\w*|^neg(?:ati(?:ve[rs]?|v))?\.?\s|(?<![^\W\d_])neg(?:ati(?:ve?|v))?\.?$", re.IGNORECASE
+)
+_UPWARDS = re.compile(r"hebung|heben|heav|swell|quell|zug|tension|suction|saug", re.IGNORECASE)  # what is negative
+_RATE = re.compile(r"(?<!\w)[dδ∆]\s?\(?\w{0,4}\)?\s?/\s?[dδ∆]\s?\(?t\)?(?!\w)", re.IGNORECASE)
+_INCREMENT = re.compile(r"(?:zeit|time)[ _-]?(?:schritt|inkrement|step|increment|interval)\w*", re.IGNORECASE)
 _ABSOLUTE = re.compile(r"(?<!\w)abs(?:olut(?:e[nrs]?|druck)?)?(?!\w)", re.IGNORECASE)
 _REFERRED = re.compile(
     r"(?<![^\W\d_])((?:[kMhm]?Pa|m?bar|psi))(?:\s?\(\s?(?P<brackets>a|g|[üu]|abs\.?|absolute?|gauge|rel(?:ativ)?\.?)\s?\)"
@@ -79,6 +87,13 @@ def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bo
     if (altered := (_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
         return _kind(altered), altered[0].strip(" \0[]()")
     name = " ".join(re.sub(r"[\[({<|]?\0[\])}>|]?|\[.*?\]", " ", rest).split()).rstrip(",;:/")
+    sign = _SIGN.search(re.sub(r"[()]", " ", name).strip())
+    if sign is not None and _UPWARDS.search(name) is None:
+        return "sign", sign[0].strip()
+    if (rate := _RATE.search(name)) is not None:
+        return "function", rate[0]
+    if "day" in bases and (step := _INCREMENT.search(name)) is not None:
+        return "increment", step[0]
     if (multiple := _MULTIPLE.search(name)) is not None and not is_word(multiple[1] or ""):
         return "factor", multiple[0].lstrip("= ")
     if not sized:

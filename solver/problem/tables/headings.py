@@ -108,7 +108,7 @@ class Heading:
 
     def without_factors(self) -> Heading:
         """The same where somebody says what the numbers are to be multiplied by."""
-        return replace(self, named=tuple(one for one in self.named if one.alters != "factor"))
+        return replace(self, named=tuple(one for one in self.named if one.alters not in ("factor", "sign")))
 
     @property
     def unit(self) -> str | None:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import json
+from typing import Any
+
 import pytest
 
+from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem import measured_points
 from geoswarm.solver.problem.readings.units import unit_of_data
 from geoswarm.solver.problem.tables.columns import Columns, table_of
 from geoswarm.solver.problem.tables.headings import guess_unit, heading_of, unclear_unit, units_of
@@ -139,3 +144,41 @@ def test_english_parts_of_units_are_no_seconds(heading: str) -> None:
 @pytest.mark.parametrize("heading", ["Setzung [mm] 1)", "Setzung Probe 1/2 [mm]", "Setzungen in mm und Zeiten"])
 def test_notes_and_names_of_specimens_are_no_factors(heading: str) -> None:
     assert unclear_unit(units_of(heading)) is None
+
+
+@pytest.mark.parametrize(
+    "heading",
+    ["-Setzung [mm]", "− s [mm]", "Setzung [mm] negativ", "Setzung (neg.) [mm]", "negative settlement (mm)"],
+)
+def test_a_sign_is_asked_for(heading: str) -> None:
+    assert "has a sign, " in (said := metres(f"Zeit [min];{heading}\n{NUMBERS}", "B:B"))
+    assert "give y_factor: -1, or 1 where" in said
+    assert settlements(heading, y_factor=-1) == [-1.0, -2.0, -3.0]
+
+
+@pytest.mark.parametrize("heading", ["Setzung, Hebung neg. [mm]", "Settlement (-) [mm]", "Setzung - korr. [mm]"])
+def test_what_is_said_of_a_heave_is_no_sign(heading: str) -> None:
+    assert metres(f"Zeit [min];{heading}\n{NUMBERS}", "B:B") == [0.001, 0.002, 0.003]
+
+
+@pytest.mark.parametrize("heading", ["d(s)/dt [mm]", "ds/dt in mm", "Δs/Δt [mm]"])
+def test_a_derivative_is_asked_for(heading: str) -> None:
+    assert "has a function, 'd" in metres(f"Zeit [min];{heading}\n{NUMBERS}", "B:B").replace("Δ", "d")
+
+
+@pytest.mark.parametrize("heading", ["Zeitschritt [min]", "time step (s)", "Zeitintervall in min"])
+def test_steps_of_time_are_asked_for(heading: str) -> None:
+    _, wrong = unit_of_data("x", None, "day", heading_of(heading, {}), unitless=False)
+    assert "is a step, " in plain(wrong or ())
+
+
+def test_a_height_is_a_settlement_only_with_its_zero() -> None:
+    with pytest.raises(ProblemError, match=r"'Höhe \[mm\]' is a height, and settlement is the loss .* y_factor: -1"):
+        settlements("Höhe [mm]")
+    assert settlements("Höhe [mm]", y_factor=-1, y_zero="first") == [0.0, -1.0, -2.0]
+
+
+def settlements(heading: str, **keys: Any) -> list[float]:
+    """Readings in mm, as a problem with these keys has them."""
+    given = {"series": "settlement", "x_column": "A:A", "y_column": "B:B", **keys}
+    return measured_points(json.dumps(given), f"Zeit [min];{heading}\n{NUMBERS}".encode(), "a.csv")[0].y
