@@ -71,6 +71,7 @@ if TYPE_CHECKING:
         NotedResponse,
         ParameterInfo,
         SeriesInfo,
+        TellsIncomplete,
         TellsUnused,
         in_unit,
     )
@@ -86,7 +87,8 @@ _ELSEWHERE = {
     "FloatArray": "geoswarm.solver.arrays",
     **dict.fromkeys(("BadOutputError", "DivergedError", "ForwardError", "InfeasibleError", "NotFiniteError"), _ERRORS),
     **dict.fromkeys(("ForwardModel", "ForwardModelSpec", "ForwardRun"), _FORWARD),
-    **dict.fromkeys(("NotedResponse", "ParameterInfo", "SeriesInfo", "TellsUnused", "in_unit"), _FORWARD),
+    **dict.fromkeys(("NotedResponse", "ParameterInfo", "SeriesInfo", "in_unit"), _FORWARD),
+    **dict.fromkeys(("TellsIncomplete", "TellsUnused"), _FORWARD),
 }
 
 __all__ = [
@@ -127,6 +129,7 @@ __all__ = [
     "ParameterInfo",
     "SeriesInfo",
     "NotedResponse",
+    "TellsIncomplete",
     "TellsUnused",
     "in_unit",
     "ForwardError",

@@ -195,7 +195,8 @@ class TellsIncomplete(Protocol):
     >>> class Spring:
     ...     def incomplete(self, declared):
     ...         return None if len({"k", "compliance"} & set(declared)) == 1 else "give exactly one of k and compliance"
-    >>> isinstance(Spring(), TellsIncomplete), Spring().incomplete(["E"])
+    >>> import geoswarm as gs
+    >>> isinstance(Spring(), gs.TellsIncomplete), Spring().incomplete(["E"])
     (True, 'give exactly one of k and compliance')
     """
 

@@ -119,6 +119,7 @@ def test_arrays_are_lists_in_json_and_what_is_not_finite_is_null() -> None:
         parameters={},
         shares=[],
         values={"y": np.array([1.0, np.nan, np.inf])},
+        residuals={"y": np.zeros(3)},
     )
     adapter = TypeAdapter(FitCurve)
     text = adapter.dump_json(curve)
