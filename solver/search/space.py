@@ -36,6 +36,8 @@ class SearchSpace:
         Whether a parameter takes whole numbers only, shape (d,); none does if absent. In search coordinates it moves
         on from half a unit below its lower to half a unit above its upper bound, so that all values are equally
         likely, and is rounded in natural values.
+    search_lower, search_upper
+        Bounds in search coordinates, shape (d,); calculated.
     """
 
     names: tuple[str, ...]
@@ -44,25 +46,21 @@ class SearchSpace:
     log: BoolArray
     feasible: Callable[[FloatArray], bool] = field(repr=False)
     integer: BoolArray = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    search_lower: FloatArray = field(init=False, repr=False)
+    search_upper: FloatArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.integer.size == 0:
             object.__setattr__(self, "integer", np.zeros(self.dimension, dtype=np.bool_))
+        for name, bound in (("lower", self.lower - 0.5 * self.integer), ("upper", self.upper + 0.5 * self.integer)):
+            ends = self.to_search(bound)
+            ends.setflags(write=False)
+            object.__setattr__(self, f"search_{name}", ends)
 
     @property
     def dimension(self) -> int:
         """Number d of free parameters."""
         return len(self.names)
-
-    @property
-    def search_lower(self) -> FloatArray:
-        """Lower bounds in search coordinates, shape (d,)."""
-        return self.to_search(self.lower - 0.5 * self.integer)
-
-    @property
-    def search_upper(self) -> FloatArray:
-        """Upper bounds in search coordinates, shape (d,)."""
-        return self.to_search(self.upper + 0.5 * self.integer)
 
     def to_search(self, natural: FloatArray) -> FloatArray:
         """Convert natural values, shape (..., d), to search coordinates."""
