@@ -59,10 +59,12 @@ def incomplete(law: Law, infos: tuple[ParameterInfo, ...], declared: Collection[
     declared
         Names of those that the problem gives.
     """
-    fault = law.incomplete(frozenset(declared) | {info.name for info in settled(infos) if info.default})
+    given = frozenset(declared) | {info.name for info in settled(infos) if info.default}
+    fault = law.incomplete(given)
     if fault is None:
         return None
-    also = f", or {_KEY} of the test" if "e0" in fault.split() and voids_column(law) is not None else ""
+    helps = voids_column(law) is not None and law.incomplete(given | {"e0"}) is None
+    also = f", or {_KEY} of the test" if helps else ""
     return f"{fault}{also}; material {law.kind} needs it"
 
 

@@ -12,7 +12,7 @@ from geoswarm.solver.errors import Issue, SolverError
 from geoswarm.solver.forward.base import ForwardModelSpec, SeriesInfo
 from geoswarm.solver.forward.registry import built
 from geoswarm.solver.problem.observation_section import ObservationSection
-from geoswarm.solver.problem.readings.units import USUAL, unit_of_axis
+from geoswarm.solver.problem.readings.units import USUAL, divided_by_size, unit_of_axis
 from geoswarm.solver.problem.tables.blocks import key
 from geoswarm.solver.problem.tables.columns import Columns, Table
 from geoswarm.solver.problem.tables.headings import Heading, without_brackets
@@ -20,7 +20,7 @@ from geoswarm.solver.problem.tables.measurements import Column, Measurements, re
 from geoswarm.solver.problem.tables.quantities import dimension_of, is_heave, is_load, quantities_of
 from geoswarm.solver.problem.tables.reading import DoubtError, TableError
 from geoswarm.solver.sentences import Key, Sentence, setting
-from geoswarm.solver.units import UnitError, convert, same_unit
+from geoswarm.solver.units import convert, same_unit
 from geoswarm.solver.words import listed
 
 __all__ = ["columns_question", "further_doubts", "sign_question"]
@@ -156,16 +156,11 @@ class _Axis:
             few or column.bad > 0
         )
 
-    def _divided(self, column: Column) -> str | None:
-        """What makes a strain of a length and a stress of a force."""
-        unit = column.unit or column.other_unit or ""
-        for base, of, size, what in (("kPa", "kN", "A", "area A [m2]"), ("", "m", "H", "height H [m]")):
-            if self.base == base and (base or "strain" in self.quantity):
-                try:
-                    return f"{float(convert(1.0, unit, of)):g} / {size}  # the {what} of the specimen"
-                except UnitError:
-                    return None
-        return None
+    def _divided(self, column: Column) -> tuple[str, str, str] | None:
+        """What makes a strain of a length and a stress of a force, see :func:`divided_by_size`."""
+        if self.base != "kPa" and (self.base != "" or "strain" not in self.quantity):
+            return None
+        return divided_by_size(column.unit or column.other_unit or "", self.base)
 
     def _fits(self, values: Sequence[float]) -> bool:
         """Whether numbers without a unit may be those of this axis: they rise or fall, and some usual unit suits."""
@@ -193,14 +188,9 @@ class _Axis:
                 return []
             return ["\n    ", _line(key, "kPa"), "  # or MPa, kg/cm2: of the loads, by which the stages are found"]
         if column.base != (self.base or "dimensionless") and (factor := self._divided(column)) is not None:
-            amount, _, size = factor.partition("  ")
-            return [
-                "\n    ",
-                _line(key, self.base or "dimensionless"),
-                "\n    ",
-                _line(f"{self.name}_factor", amount),
-                f"  {size}",
-            ]
+            amount, size, unit = factor
+            lines: list[str | Key] = ["\n    ", _line(key, self.base or "dimensionless")]
+            return [*lines, "\n    ", _line(f"{self.name}_factor", amount), f"  # the {size} [{unit}] of the specimen"]
         pure = same_unit(self.base, "1") and "strain" not in self.quantity
         if column.unit is not None or (pure and column.unclear is None):
             return []
@@ -266,8 +256,11 @@ def _usual(base: str | None) -> list[str]:
 
 
 def _line(name: str, value: str) -> Key:
-    quoted = "'" + value.replace("'", "''") + "'" if _NO_PLAIN_SCALAR.search(value) else value
-    return Key(name, f"{name}: {quoted}", value)
+    return Key(name, f"{name}: {_quoted(value)}", value)
+
+
+def _quoted(value: str) -> str:
+    return "'" + value.replace("'", "''") + "'" if _NO_PLAIN_SCALAR.search(value) else value
 
 
 def _shown(found: Measurements, column: Column) -> str:
@@ -345,7 +338,7 @@ def _stage(found: Measurements, x: Column, rows: list[int]) -> tuple[list[str | 
         of = {entry: [row for row, one in zip(rows, entries, strict=True) if one == entry] for entry in entries}
         spans = {entry: _span([x.values[row] for row in own]) for entry, own in of.items()}
         best = max(spans, key=lambda entry: spans[entry])
-        where = f"{{{_line('', _reference(found, column)).text[2:]}: {best:.15g}}}"
+        where = f"{{{_quoted(_reference(found, column))}: {best:.15g}}}"
         others = ", ".join(f"{entry:.15g}" for entry in of if entry != best)
         return ["\n    ", Key("where", f"where: {where}", where), f"  # or {others}"], of[best]
     return [], rows

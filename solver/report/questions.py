@@ -216,8 +216,8 @@ def prediction_question(
 
 def _errors_of(problem: Problem, noise: Noise | None) -> dict[str, float]:
     """Errors of a reading by series, base units, without those whose noise is one of pseudo residuals or distances."""
-    plain = [o.series for o in problem.observations if o.loss is None and o.along is None]
-    return {} if noise is None else {series: noise.deviations[series] for series in plain}
+    unlike = {o.series for o in problem.observations if o.loss is not None or o.along is not None}
+    return {} if noise is None else {series: size for series, size in noise.deviations.items() if series not in unlike}
 
 
 def design_question(

@@ -96,7 +96,7 @@ def _numbered() -> Any:
     """Return PostgreSQL's dialect with values as libpq takes them: ``$1``, ``$2`` ..."""
     from sqlalchemy.dialects.postgresql.psycopg import PGDialect_psycopg
 
-    return PGDialect_psycopg(paramstyle="numeric_dollar")  # type: ignore[no-untyped-call]
+    return PGDialect_psycopg(paramstyle="numeric_dollar")  # type: ignore[no-untyped-call]  # as the library has it
 
 
 @cache

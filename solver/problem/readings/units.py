@@ -10,7 +10,7 @@ from geoswarm.solver.problem.tables.picking import is_cells
 from geoswarm.solver.sentences import Sentence, setting
 from geoswarm.solver.units import UnitError, convert, same_unit
 
-__all__ = ["UNSTATED", "USUAL", "unit_of_axis", "unit_of_data"]
+__all__ = ["UNSTATED", "USUAL", "divided_by_size", "unit_of_axis", "unit_of_data"]
 
 UNSTATED = "unstated"
 """Instead of a unit, where readings come from a file that names none: right for numbers without dimension only."""
@@ -103,15 +103,29 @@ def _remedy(axis: str, altered: Alteration | None, unit: str) -> Sentence:
 
 def _divided(axis: str, unit: str, base: str) -> Sentence:
     """What to do about a force where a stress is needed, and a length where a strain may be; nothing for others."""
-    if base == "kPa" and (kilonewtons := _factor(unit, "kN")) is not None:
-        what, factor, size = "a force, but the series needs a stress; name a", f"{kilonewtons:g} / A", "area A in m2"
-    elif same_unit(base, "1") and (metres := _factor(unit, "m")) is not None:
-        what, factor, size = "a length, but the series has no unit; name another", f"{metres:g} / H", "height H in m"
-    else:
+    found = divided_by_size(unit, base)
+    if found is None:
         return ()
+    factor, size, metres = found
     keys = setting(f"{axis}_unit", base or "dimensionless"), " and ", setting(f"{axis}_factor", factor)
-    column = "column of stresses" if base == "kPa" else "column"
-    return (f"{what} {column}, or give ", *keys, f" with the {size} of the specimen")
+    if base == "kPa":
+        what = "a force, but the series needs a stress; name a column of stresses"
+    else:
+        what = "a length, but the series has no unit; name another column"
+    return (f"{what}, or give ", *keys, f" with the {size} in {metres} of the specimen")
+
+
+def divided_by_size(unit: str, base: str) -> tuple[str, str, str] | None:
+    """The factor that makes a stress of a force, or a strain of a length; the size of the specimen in it, and its unit.
+
+    >>> divided_by_size("mm", ""), divided_by_size("kN", "m")
+    (('0.001 / H', 'height H', 'm'), None)
+    """
+    if base == "kPa" and (kilonewtons := _factor(unit, "kN")) is not None:
+        return f"{kilonewtons:g} / A", "area A", "m2"
+    if same_unit(base, "1") and (metres := _factor(unit, "m")) is not None:
+        return f"{metres:g} / H", "height H", "m"
+    return None
 
 
 def _factor(unit: str, base: str) -> float | None:
