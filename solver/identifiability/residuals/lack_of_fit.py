@@ -20,7 +20,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD, Closeness, Misfit, headline_of, sentence_of
 from geoswarm.solver.identifiability.remedies import Remedy, check_readings, follow_up, remedies_of
 from geoswarm.solver.identifiability.residuals.closeness import closeness_of
-from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, excluded_readings
+from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, Excluded, excluded_readings
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
 from geoswarm.solver.identifiability.residuals.readings import (
     FEWEST_FREE,
@@ -219,9 +219,15 @@ def examine_fit(
 def _gross(
     readings: Readings, deviations: FloatArray, known: Mapping[str, float] | None
 ) -> tuple[list[Misfit], list[int]]:
-    """Readings that the others of their series exclude, and their indices; a robust loss copes with them by itself.
+    """Readings that the others of their series exclude; a robust loss copes with them by itself.
 
     Of a series with distances from its curve none: they do not say what a reading would have to be.
+
+    Returns
+    -------
+    tuple
+        The readings, and the indices of those without which patterns are looked for. Neighbours on the same side of the
+        curve stay in, unless a slip explains them: they may as well be what the model does not describe.
     """
     misfits, excluded = [], []
     basis, scaled = weighted_basis(readings.weighted), readings.scaled / deviations
@@ -234,7 +240,9 @@ def _gross(
         for one in found:
             place = int(one.index - own[0])
             apart = one.expected * deviations[one.index] / readings.inside[one.index]
-            excluded.append(one.index)
+            slip = _slip(float(measured.y[place]), float(apart), abs(one.deviations))
+            if slip is not None or not any(_neighbours(one, other) for other in found):
+                excluded.append(one.index)
             misfits.append(
                 Misfit(
                     o.series,
@@ -248,10 +256,14 @@ def _gross(
                     "",
                     "",
                     int(measured.numbers[place]),
-                    _slip(float(measured.y[place]), float(apart), abs(one.deviations)),
+                    slip,
                 )
             )
     return misfits, excluded
+
+
+def _neighbours(one: Excluded, other: Excluded) -> bool:
+    return abs(one.index - other.index) == 1 and one.deviations * other.deviations > 0.0
 
 
 def _slip(y: float, apart: float, deviations: float) -> float | None:

@@ -85,6 +85,21 @@ def test_two_gross_errors_do_not_hide_each_other() -> None:
     assert fit.headline == "2 readings do not fit the others"
 
 
+@pytest.mark.parametrize("rate", [1.5, 3.0])
+def test_a_bend_that_only_the_first_readings_show_is_no_gross_error(rate: float) -> None:
+    """A line through 8 - 4 exp(-rate x): the first two or three readings were named, and nothing else said."""
+    fit = line(8.0 - 4.0 * np.exp(-rate * X) + np.random.default_rng(5).normal(0.0, 0.03, X.size)).fit
+    assert (fit.kind, fit.wrong) == ("lack_of_fit", True)
+    assert {m.reading for m in fit.misfits} >= {1, 2}
+
+
+def test_neighbours_that_a_slip_explains_are_gross_errors() -> None:
+    y = readings(3)
+    y[[11, 12]] *= 10.0
+    fit = line(y).fit
+    assert (fit.kind, {(m.reading, m.slip) for m in fit.misfits}) == ("gross_error", {(12, 0.1), (13, 0.1)})
+
+
 def test_a_stated_error_that_one_reading_exceeds_is_not_met() -> None:
     y = readings(4)
     y[5] -= 2.0
