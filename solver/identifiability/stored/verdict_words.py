@@ -210,4 +210,4 @@ def _distinct(values: tuple[float, ...]) -> list[str]:
 
 
 def _share(hidden: float) -> str:
-    return "below 0.1 %" if hidden < _SMALLEST else per_cent(hidden)
+    return "less than 0.1 %" if hidden < _SMALLEST else per_cent(hidden)

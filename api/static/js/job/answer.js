@@ -10,6 +10,7 @@ import { nextStep } from "./next_step.js";
 const FORMS = { fixed: "fixed", linked: "linked" };
 const NEAR = 1e-6; // parts of the searched range, as in at_bounds of a job
 const MOST_NAMED = 3;
+const MOST_BASINS = 3;
 const AWAY = 0.5; // standard errors
 
 const listed = (names) => (names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`);
@@ -94,8 +95,9 @@ export function answer(view) {
     const { value, low, high, verdict, good } = known(name);
     const there = low !== null && high !== null;
     const bound = info ? boundTouched(value, info) : null;
-    const several = view.statistics?.basins.others.some(({ differs }) => differs.includes(name));
-    const how = good ? "range of the good fits" : several ? "in one of several basins" : null;
+    const others = view.statistics?.basins.others.filter(({ differs }) => differs.includes(name)).map(({ parameters }) => number(parameters[name], 3)) ?? [];
+    const also = others.slice(0, MOST_BASINS).join(", ") + (others.length > MOST_BASINS ? ` and ${others.length - MOST_BASINS} more` : "");
+    const how = good ? "range of the good fits" : others.length ? `in this basin; ${also} fit${others.length > 1 ? "" : "s"} as well` : null;
     return element("tr", {},
       element("td", {}, withUnit(symbol(name), info?.unit), symbol(name) === name ? null : element("small", {}, ` ${name}`)),
       element("td", { class: "n", title: number(value, 10) }, there ? precise(value, high - low) : number(value)),
