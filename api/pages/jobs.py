@@ -72,7 +72,7 @@ def found(job: Job) -> list[FoundValue]:
         if bound := (job.at_bounds or {}).get(name):
             doubt = f"at its {bound} bound"
         elif (kind := (job.verdicts or {}).get(name, "identified")) != "identified":
-            doubt = verdict_in_words(kind)
+            doubt = (job.verdict_words or {}).get(name, verdict_in_words(kind))
         values.append(FoundValue(name, number(value, digits), told, doubt))
     return values
 

@@ -42,6 +42,7 @@ class Job:
         "kinds of the verdicts on the free parameters then; statistics have the sentences, and what follow-ups add",
         default=None,
     )
+    verdict_words: dict[str, str] | None = described("the same in words, as every page shows them", default=None)
     fit: FitKind | None = described("kind of the verdict on the fit then", default=None)
     shares: list[SeriesShare] | None = described(
         "root mean square of each series then, and its share in the objective",

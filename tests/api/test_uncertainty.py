@@ -318,6 +318,7 @@ def test_a_job_shows_intervals_and_verdicts_as_soon_as_it_has_ended(engine: Engi
     shown = app.get(f"{API}/jobs/{job['id']}").json()
     statistics = app.get(f"{API}/jobs/{job['id']}/statistics").json()
     assert shown["verdicts"] == {one["parameter"]: one["kind"] for one in statistics["verdicts"]}
+    assert shown["verdict_words"] == {one["parameter"]: one["words"] for one in statistics["verdicts"]}
     rows = statistics["linearisation"]["parameters"]
     assert shown["intervals"] == {name: row["interval"] for name, row in rows.items()}
     assert shown["parameters"] == {name: row["value"] for name, row in rows.items()}

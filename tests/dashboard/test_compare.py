@@ -65,7 +65,7 @@ def test_values_stand_with_intervals_verdicts_and_bounds(embedded: Site, visit: 
     expect(page.locator(".chosen .badge")).to_have_count(2)
     cells = page.locator("#parameters tbody tr").first.locator("td.n")
     expect(cells.nth(0)).to_contain_text(" … ")
-    expect(cells.nth(0)).to_contain_text("identified")
+    expect(cells.nth(0)).to_contain_text("identified within one basin")
     expect(cells.nth(1)).to_contain_text("at its upper bound")
     assert embedded.service.get(made[1]).at_bounds == {"a": "upper"}
     check_accessibility(page)

@@ -45,6 +45,7 @@ def job_view(row: Record, gap: float) -> Job:
         at_bounds=None if row.at_bounds is None else unpack_json(row.at_bounds),
         intervals=intervals and {name: ends and (ends[0], ends[1]) for name, ends in intervals.items()},
         verdicts=conclusion.get("verdicts"),
+        verdict_words=conclusion.get("verdict_words"),
         fit=conclusion.get("fit"),
         shares=conclusion.get("shares") and [SeriesShare(**share) for share in conclusion["shares"]],
         search_best=conclusion.get("search_best") and SearchBest(**conclusion["search_best"]),

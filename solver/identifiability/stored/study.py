@@ -193,10 +193,11 @@ class Statistics:
         return {verdict.parameter: verdict.kind for verdict in self.verdicts}
 
     def conclusion(self) -> dict[str, Any]:
-        """What a search says at its end, as plain JSON: intervals, kinds of the verdicts, and the fit."""
+        """What a search says at its end, as plain JSON: intervals, verdicts as kinds and in words, and the fit."""
         return {
             "intervals": self.intervals,
             "verdicts": self.kinds,
+            "verdict_words": {verdict.parameter: verdict.words for verdict in self.verdicts},
             "fit": self.fit.kind,
             "shares": [asdict(share) for share in self.weights],
         }
