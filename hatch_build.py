@@ -13,6 +13,8 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 LINKED = ("api", "examples", "solver", "workers")
+SHOWN = (".md", ".png", ".svg")
+LEFT_OUT = ("decisions", "reference", "verification")  # of the documentation that the service shows
 
 
 class LinksHook(BuildHookInterface[Any]):
@@ -20,8 +22,8 @@ class LinksHook(BuildHookInterface[Any]):
 
     PLUGIN_NAME = "custom"
 
-    def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002  the names are hatchling's
-        """Look before the first file is taken up; ends the build with a message."""
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Look before the first file is taken up; ends the build with a message. Adds the documentation to a wheel."""
         missing = [f"geoswarm/{name}" for name in LINKED if not (Path(self.root) / "geoswarm" / name).is_dir()]
         if missing:
             raise SystemExit(
@@ -30,3 +32,9 @@ class LinksHook(BuildHookInterface[Any]):
                 "geoswarm), or clone again where links work: git clone -c core.symlinks=true (on Windows in developer "
                 "mode, or in WSL)"
             )
+        if version == "standard" and self.target_name == "wheel":
+            docs = Path(self.root) / "docs"
+            for path in docs.rglob("*"):
+                below = path.relative_to(docs)
+                if path.suffix in SHOWN and below.parts[0] not in LEFT_OUT:
+                    build_data["force_include"][str(path)] = f"geoswarm/docs/{below.as_posix()}"

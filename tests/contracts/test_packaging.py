@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from hatch_build import LEFT_OUT, SHOWN
 from tests.contracts.repository import PACKAGES, ROOMS, ROOT, project
 from tests.installation import build
 
@@ -24,6 +25,7 @@ NEEDED_BESIDE_PYTHON = (
     "geoswarm/workers/store/migrations/script.py.mako",
     "geoswarm/api/templates/base.html",
     "geoswarm/examples/oedometer/problem.yaml",
+    "geoswarm/docs/tutorials/README.md",
 )
 
 
@@ -66,6 +68,8 @@ def test_the_wheel_has_every_source_and_every_file_beside_it(wheel: Path) -> Non
         text=True,
     ).stdout.splitlines()
     present = {installed_name(path) for path in listed if (ROOT / path).is_file()}
+    docs = (path.relative_to(ROOT) for kind in SHOWN for path in (ROOT / "docs").rglob(f"*{kind}"))
+    present |= {f"geoswarm/{path.as_posix()}" for path in docs if path.parts[1] not in LEFT_OUT}
     made_for_the_examples = {installed_name(str(path.relative_to(ROOT))) for path in (ROOT / "examples").glob("*.py")}
     assert {name for name in names(wheel) if ".dist-info/" not in name} == present - made_for_the_examples
     assert set(NEEDED_BESIDE_PYTHON) <= names(wheel)

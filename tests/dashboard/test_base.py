@@ -30,6 +30,7 @@ def test_every_page_is_sound_and_usable_by_everybody(embedded: Site, visit: Visi
         "/compare",
         "/workers",
         "/sign-in",
+        "/help/statistics",
         *(f"/jobs/{job}{p}" for p in ("", "/statistics", "/mesh")),
     ):
         page.goto(path)
@@ -39,7 +40,7 @@ def test_every_page_is_sound_and_usable_by_everybody(embedded: Site, visit: Visi
 
 def test_a_phone_needs_no_scrolling_aside(embedded: Site, visit: Visit, job: str) -> None:
     page, _ = visit(embedded, "/", viewport={"width": 390, "height": 844})
-    for path in ("/", "/new", "/workers", f"/jobs/{job}", f"/jobs/{job}/fit", f"/jobs/{job}/data"):
+    for path in ("/", "/new", "/workers", "/help/http-api", f"/jobs/{job}", f"/jobs/{job}/fit", f"/jobs/{job}/data"):
         page.goto(path)
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), path
 

@@ -55,4 +55,6 @@ def test_report_json_and_dashboard_say_the_same(embedded: Site, visit: Visit, na
     expect(page.locator("#parameters")).to_contain_text(words)
     assert words in html
     others = [other for other in told["basins"]["others"] if other["differs"]]
-    expect(page.locator("#parameters").get_by_text("as well")).to_have_count(len({n for o in others for n in o["differs"]}))
+    expect(page.locator("#parameters").get_by_text("as well")).to_have_count(
+        len({n for o in others for n in o["differs"]})
+    )
