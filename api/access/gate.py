@@ -18,8 +18,8 @@ from geoswarm.workers.errors import StoreUnavailableError
 
 __all__ = ["SIGN_IN", "Gate"]
 
-OPEN_PREFIXES = ("/health/", "/static/")
-OPEN_PATHS = frozenset({"/openapi.json", "/sign-in"})
+OPEN_PREFIXES = ("/health/", "/static/", "/help/")
+OPEN_PATHS = frozenset({"/openapi.json", "/sign-in", "/help"})
 SIGN_IN = ("POST", "/api/v1/session")
 FOR_PROGRAMS = ("/api/", "/metrics", "//")  # answered with 401, not sent to the page for signing in
 AGENTS = "/api/v1/agents/"
@@ -36,8 +36,8 @@ class Gate:
       make the user's browser talk to the service under its own name.
     - A changing request that a browser sends from another origin is refused: passwords that the browser remembers
       and a service without a key must not be usable from foreign pages.
-    - With API keys, everything except health, static files and /openapi.json asks for one: ``Authorization: Bearer
-      KEY``, ``X-API-Key: KEY``, or, for browsers, HTTP Basic with the key as the password.
+    - With API keys, everything except health, static files, the documentation and /openapi.json asks for one:
+      ``Authorization: Bearer KEY``, ``X-API-Key: KEY``, or, for browsers, HTTP Basic with the key as the password.
     - Pages send a browser that has not signed in to ``/sign-in``. Its session is a cookie, so what changes something
       needs a header of our own beside it, which foreign pages cannot set.
     - What changes something, or makes the service calculate, needs the role ``submit``.

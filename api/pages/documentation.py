@@ -53,7 +53,7 @@ def help_page(request: Request, name: str = "index") -> Response:
     if path.suffix in _PICTURES:
         return FileResponse(path, media_type=_PICTURES[path.suffix])
     title, text = _read(name)
-    return render(request, "help", title=title, text=text)
+    return render(request, "help", title=title, text=text, first=name == "index")
 
 
 @cache

@@ -65,7 +65,9 @@ def test_pages_send_browsers_to_the_sign_in(guarded: App) -> None:
     assert wrong.headers["www-authenticate"].startswith("Basic")
 
 
-@pytest.mark.parametrize("path", ["/health/live", "/health/ready", "/openapi.json", "/static/css/base.css", "/sign-in"])
+@pytest.mark.parametrize(
+    "path", ["/health/live", "/health/ready", "/openapi.json", "/static/css/base.css", "/sign-in", "/help/search"]
+)
 def test_health_and_what_is_no_secret_stay_open(guarded: App, path: str) -> None:
     assert guarded.get(path).status_code == 200
 
