@@ -76,6 +76,7 @@ def test_the_last_good_sketch_stays_dimmed_while_something_is_wrong(embedded: Si
 
 def test_another_kind_has_another_sketch_or_none(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new")
+    expect(page.locator(".choice strong").get_by_text("CRS oedometer", exact=True)).to_be_visible()
     give(page, "consolidation")
     expect(page.locator("#sketch svg")).to_have_count(2)
     page.locator("input[name=kind][value=formula]").check()

@@ -5,6 +5,7 @@ import { clone } from "./draft.js";
 import { errorPlace } from "./fields.js";
 import { button, objectForm, sentence } from "./schema_form.js";
 import { words } from "./schema.js";
+import { labelOf } from "./words.js";
 
 /** Draws the section into `place`; `kinds` are the forward models of the service. */
 export function modelSection(context, place, kinds) {
@@ -66,7 +67,7 @@ export function modelSection(context, place, kinds) {
   const isChosen = (one) => one.kind === kind() && (!one.model || one.model === model());
   const inputs = kinds.map((one) => element("input", { type: "radio", name: "kind", value: one.model ?? one.kind, checked: isChosen(one), onchange: () => choose(one) }));
   const choices = kinds.map((one, i) => element("label", { class: "choice" }, inputs[i],
-    element("span", {}, element("strong", {}, one.model ?? words(one.kind)), element("small", {}, one.model ? `Registered: ${one.description}` : one.description))));
+    element("span", {}, element("strong", {}, one.model ?? labelOf(one.kind)), element("small", {}, one.model ? `Registered: ${one.description}` : one.description))));
   place.replaceChildren(
     element("fieldset", { class: "choices" }, element("legend", {}, "Forward model"), choices),
     errorPlace(["forward_model"]), form);
