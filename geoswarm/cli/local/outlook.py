@@ -153,7 +153,8 @@ def design_command(
     """Rank candidate tests by how much they would narrow the intervals or a prediction.
 
     SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. FILE lists candidates: each has
-    a name, observations (series, points: {x: [..]}, error) and, unless it is of the same model, a forward_model.
+    a name, observations (series, points: {x: [..]}, error) and, unless it is of the same model, a forward_model. Or it
+    has a table of tests (tests: tests.csv), each a candidate.
     """
     known = known_noise(noise)
     options: dict[str, Any] = {"criterion": criterion, "draws": draws, "noise": known}
