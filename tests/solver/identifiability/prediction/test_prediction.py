@@ -17,7 +17,7 @@ from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.prediction.bands import weighted_quantiles
 from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around, take_from
-from geoswarm.solver.identifiability.prediction.question import predict_problem
+from geoswarm.solver.identifiability.prediction.question import predict_problem, tests_problem
 from geoswarm.solver.identifiability.stored.findings import findings_of
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.outlook_tables import prediction_table
@@ -318,6 +318,36 @@ def test_the_case_that_the_study_repeats() -> None:
     )
     found = predicted(problem, np.array(case.truth), case, 100, 0.9, 1)["s"]
     np.testing.assert_allclose(found.median, case.other(np.array(case.truth), case.at), atol=0.1)
+
+
+def test_a_table_alone_takes_the_law_of_the_job_and_what_it_fixes(tmp_path: Path) -> None:
+    (tmp_path / "A.csv").write_text("axial strain [%],q [kPa]\n0.1,10\n0.2,20\n0.4,40\n")
+    (tmp_path / "tests.csv").write_text("file,kind,cell pressure [kPa]\nA.csv,CD,100\n")
+    section = {"kind": "triaxial", "material": "elastic", "initial_stress": 50.0}
+    document = {
+        "forward_model": section | {"shearing": [{"kind": "monotonic", "axial_strain": 0.01}]},
+        "parameters": {"E": free(1e3, 1e5), "nu": {"expression": "0.1 * three"}, "three": {"value": 3.0}},
+        "observations": [{"series": "q", "points": {"x": [0.001, 0.002], "y": [10.0, 20.0]}}],
+        "stopping": {"max_evaluations": 20},
+    }
+    found = tests_problem(parse_problem(document), tmp_path / "tests.csv")
+    assert found["name"] == "tests"
+    assert list(found["parameters"]) == ["nu", "three"]
+    assert found["forward_model"]["parts"]["A"]["material"] == "elastic"
+    calibration = Calibration(parse_problem(document), 1)
+    basins = basins_of(calibration, linearised(calibration.problem, [1e4]), 1.0, (), (), None)
+    question = predict_problem(calibration.problem, found, draw_around(calibration, basins, 20, 1), seed=1)
+    assert question.free_names == ("E",)
+    other = section | {"material": "mohr_coulomb", "shearing": [{"kind": "monotonic", "axial_strain": 0.01}]}
+    parts = {"kind": "combined", "parts": {"a": document["forward_model"], "b": other}}
+    strength = {"c": {"value": 1.0}, "phi": {"value": 30.0}}
+    two = {
+        "forward_model": parts,
+        "parameters": document["parameters"] | strength,  # type: ignore[operator]
+        "observations": [{"series": "a.q", "points": {"x": [0.001], "y": [10.0]}}],
+    }
+    with pytest.raises(ProblemError, match="one law that those of a table take, got elastic and mohr_coulomb"):
+        tests_problem(parse_problem(document | two), tmp_path / "tests.csv")
 
 
 def with_a_fragile_test(expression: str) -> dict[str, Any]:
