@@ -217,10 +217,10 @@ def _problem_of(client: Client, job: Job) -> Problem:
 
 def _predicted(other: Path | None, table: Path | None, problem: Callable[[], Problem]) -> Mapping[str, Any] | Path:
     """What is predicted: the problem of a file, or a table of tests with the law of the problem of the job."""
-    from geoswarm.solver.identifiability.prediction.question import tests_problem
+    from geoswarm.solver.identifiability.prediction.question import problem_of_tests
 
     if table is not None:
-        return tests_problem(problem(), table)
+        return problem_of_tests(problem(), table)
     assert other is not None  # one of both is given
     return other.absolute()
 

@@ -270,7 +270,7 @@ def _failures(problem: Problem, rows: Mapping[str, Sequence[int]], runs: int, fa
         return []
     lost = {test_of(problem.forward_model, series): runs - len(own) for series, own in rows.items()}
     left = "the band leaves them out"
-    if len(set(lost.values())) > 1:
+    if any(number < failed for number in lost.values()):
         left = f"left out are {listed([f'{number} runs of {test}' for test, number in lost.items() if number])}"
     told = f"{failed} of {runs} runs failed, such as {such}; {left}"
     without = [series for series, own in rows.items() if len(own) < _FEWEST]

@@ -19,7 +19,7 @@ from geoswarm.solver.problem.parameters import missing_parameters
 from geoswarm.solver.problem.test_table.expansion import without_table
 from geoswarm.solver.words import listed
 
-__all__ = ["MOST_RUNS", "predict_problem", "question_hash", "tests_problem"]
+__all__ = ["MOST_RUNS", "predict_problem", "question_hash", "problem_of_tests"]
 
 MOST_RUNS = 10_000
 OWN_KEYS = ("name", "method", "stopping", "seed", "priority")
@@ -129,7 +129,7 @@ def predict_problem(
     return parse_problem(document, programs=parsed.forward_model.runs_programs)
 
 
-def tests_problem(problem: Problem, table: Path) -> dict[str, Any]:
+def problem_of_tests(problem: Problem, table: Path) -> dict[str, Any]:
     """The tests of a table as a problem to be predicted, with the law of a problem and what it fixes and links.
 
     The initial void ratio is that of each test, and what holds for one test of the problem alone is left out.

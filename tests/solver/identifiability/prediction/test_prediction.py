@@ -17,7 +17,7 @@ from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.prediction.bands import weighted_quantiles
 from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around, take_from
-from geoswarm.solver.identifiability.prediction.question import predict_problem, tests_problem
+from geoswarm.solver.identifiability.prediction.question import predict_problem, problem_of_tests
 from geoswarm.solver.identifiability.stored.findings import findings_of
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.outlook_tables import prediction_table
@@ -330,7 +330,7 @@ def test_a_table_alone_takes_the_law_of_the_job_and_what_it_fixes(tmp_path: Path
         "observations": [{"series": "q", "points": {"x": [0.001, 0.002], "y": [10.0, 20.0]}}],
         "stopping": {"max_evaluations": 20},
     }
-    found = tests_problem(parse_problem(document), tmp_path / "tests.csv")
+    found = problem_of_tests(parse_problem(document), tmp_path / "tests.csv")
     assert found["name"] == "tests"
     assert list(found["parameters"]) == ["nu", "three"]
     assert found["forward_model"]["parts"]["A"]["material"] == "elastic"
@@ -347,7 +347,7 @@ def test_a_table_alone_takes_the_law_of_the_job_and_what_it_fixes(tmp_path: Path
         "observations": [{"series": "a.q", "points": {"x": [0.001], "y": [10.0]}}],
     }
     with pytest.raises(ProblemError, match="one law that those of a table take, got elastic and mohr_coulomb"):
-        tests_problem(parse_problem(document | two), tmp_path / "tests.csv")
+        problem_of_tests(parse_problem(document | two), tmp_path / "tests.csv")
 
 
 def with_a_fragile_test(expression: str) -> dict[str, Any]:
