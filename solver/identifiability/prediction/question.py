@@ -19,7 +19,7 @@ from geoswarm.solver.problem.parameters import missing_parameters
 from geoswarm.solver.problem.test_table.expansion import without_table
 from geoswarm.solver.words import listed
 
-__all__ = ["MOST_RUNS", "predict_problem", "question_hash", "problem_of_tests"]
+__all__ = ["MOST_RUNS", "predict_problem", "problem_of_tests", "question_hash"]
 
 MOST_RUNS = 10_000
 OWN_KEYS = ("name", "method", "stopping", "seed", "priority")
@@ -140,12 +140,8 @@ def problem_of_tests(problem: Problem, table: Path) -> dict[str, Any]:
         The tests of the problem have no law, or not the same one; or the table has mistakes.
     """
     specs = [spec for spec in problem.forward_model.by_part().values() if isinstance(spec, OneMaterialSpec)]
-    own = {
-        json.dumps(
-            {key: value for key, value in spec.model_dump(mode="json").items() if key in ("material", "settings")}
-        )
-        for spec in specs
-    }
+    dumped = [spec.model_dump(mode="json") for spec in specs]
+    own = {json.dumps({key: one[key] for key in ("material", "settings") if one.get(key)}) for one in dumped}
     if len(own) != 1:
         found = listed([spec.law.kind for spec in specs]) if specs else "none"
         message = f"the tests of the job must have one law that those of a table take, got {found}"

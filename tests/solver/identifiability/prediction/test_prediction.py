@@ -322,7 +322,8 @@ def test_the_case_that_the_study_repeats() -> None:
 
 def test_a_table_alone_takes_the_law_of_the_job_and_what_it_fixes(tmp_path: Path) -> None:
     (tmp_path / "A.csv").write_text("axial strain [%],q [kPa]\n0.1,10\n0.2,20\n0.4,40\n")
-    (tmp_path / "tests.csv").write_text("file,kind,cell pressure [kPa]\nA.csv,CD,100\n")
+    (tmp_path / "B.csv").write_text("stress [kPa],void ratio\n10,0.9\n100,0.88\n200,0.87\n")
+    (tmp_path / "tests.csv").write_text("file,kind,cell pressure [kPa]\nA.csv,CD,100\nB.csv,oedometer,\n")
     section = {"kind": "triaxial", "material": "elastic", "initial_stress": 50.0}
     document = {
         "forward_model": section | {"shearing": [{"kind": "monotonic", "axial_strain": 0.01}]},
