@@ -76,7 +76,7 @@ def _write(
     with pq.ParquetWriter(file, schema, compression="zstd") as writer:
         for group in _groups(views, series):
             cells = [[_cell(view, place, name) for view in group] for _, place, name in columns]
-            cells += [[None if v.responses is None else v.responses[name].y for v in group] for name in series]
+            cells += [[_response(view, name) for view in group] for name in series]
             arrays = [pa.array(column, type=field.type) for column, field in zip(cells, schema, strict=True)]
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
 
@@ -87,13 +87,19 @@ def _cell(view: Evaluation, place: str, name: str) -> Any:
     return view.misfits.get(name) if place == "misfit" else getattr(view, name)
 
 
+def _response(view: Evaluation, name: str) -> list[float | None] | None:
+    """Calculated values; None where there are none: a prediction keeps those of the tests that succeeded."""
+    found = None if view.responses is None else view.responses.get(name)
+    return None if found is None else found.y
+
+
 def _groups(views: Iterable[Evaluation], series: Sequence[str]) -> Iterator[list[Evaluation]]:
     """Rows that are written at once: fewer where the responses of ``series`` are long."""
     group: list[Evaluation] = []
     values = 0
     for view in views:
         group.append(view)
-        values += 0 if view.responses is None else sum(len(view.responses[name].y) for name in series)
+        values += sum(len(_response(view, name) or ()) for name in series)
         if len(group) >= ROWS_A_GROUP or values >= VALUES_A_GROUP:
             yield group
             group, values = [], 0

@@ -6,7 +6,9 @@ from typing import Any
 
 import pytest
 
+from geoswarm.api.parquet import parquet_pieces
 from geoswarm.api.routes.results import csv_header, csv_lines
+from geoswarm.records.evaluation import Response
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.hosts.engine import Engine
@@ -203,6 +205,15 @@ def test_parquet_of_long_responses_is_written_in_small_groups(
     assert all((size - 1) * points < 30 for size in sizes)
     without = app.get(f"{path}/evaluations", params={"format": "parquet"}).content
     assert pq.ParquetFile(io.BytesIO(without)).num_row_groups == 1
+
+
+def test_parquet_leaves_empty_what_a_failed_test_of_a_prediction_lacks() -> None:
+    import pyarrow.parquet as pq
+
+    kept = evaluation(state="failed", objective=None, misfits={}, responses={"a.y": Response(x=[1.0], y=[2.0])})
+    pieces = parquet_pieces([kept], [("state", "own", "state")], ["a.y", "b.y"], responses=True)
+    (row,) = pq.read_table(io.BytesIO(b"".join(pieces))).to_pylist()
+    assert row == {"state": "failed", "response.a.y": [2.0], "response.b.y": None}
 
 
 def test_without_pyarrow_parquet_is_not_available(done: tuple[App, str], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -274,6 +274,30 @@ def test_a_prediction_has_the_textbook_band(examined: tuple[App, str, str], engi
     assert "Prediction: later" in page
 
 
+def test_a_draw_whose_one_test_fails_keeps_the_others(examined: tuple[App, str, str], engine: Engine) -> None:
+    app, job, _ = examined
+    middle = np.linalg.lstsq(np.stack([np.ones_like(X), X], axis=1), Y, rcond=None)[0][0]
+    series = {"sound": "a + b * x", "fragile": f"ln(a - {middle - 1e-3})"}
+    other = {
+        "name": "two tests",
+        "forward_model": {
+            "kind": "combined",
+            "parts": {name: {"kind": "formula", "series": {"y": formula}} for name, formula in series.items()},
+        },
+        "observations": [{"series": f"{name}.y", "points": {"x": [3.0]}} for name in series],
+    }
+    follow_up = app.post(f"{API}/jobs/{job}/predict", json={"problem": other, "runs": 60}).json()["id"]
+    assert wait_for_end(engine.service, follow_up).state == "finished"
+    (found,) = app.get(f"{API}/jobs/{follow_up}/uncertainty").json()["predictions"]
+    assert [one["series"] for one in found["series"]] == ["sound.y", "fragile.y"]
+    assert any(f"left out are {found['failed']} runs of fragile." in remark for remark in found["remarks"])
+    question = parse_problem(app.get(f"{API}/jobs/{follow_up}/problem").json())
+    history = [record.evaluation for record in calibrate(question).history]
+    assert findings_of(question, 0, history).predictions[0].to_json() == found  # as in one process
+    page = app.get(f"{API}/jobs/{follow_up}/evaluations", params={"state": "failed", "responses": True}).json()
+    assert {name for one in page["items"] for name in one["responses"]} == {"sound.y"}
+
+
 def test_mistakes_of_a_prediction_have_their_path(examined: tuple[App, str, str]) -> None:
     app, job, _ = examined
     other = LATER | {"forward_model": {"kind": "formula", "series": {"y": "a + c * x"}}}

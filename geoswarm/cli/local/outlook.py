@@ -21,6 +21,7 @@ from geoswarm.solver.words import per_cent
 if TYPE_CHECKING:
     from geoswarm.client import Client, Job
     from geoswarm.solver.identifiability.stored.findings import Findings
+    from geoswarm.solver.problem import Problem
     from geoswarm.solver.report.document.build import Report
 
 __all__ = ["design_command", "predict_command"]
@@ -43,10 +44,16 @@ _OUTPUT = click.option(
 @click.option(
     "--problem",
     "other",
-    required=True,
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="FILE",
     help="The problem that is predicted: forward model, where it is wanted, parameters that the job did not identify.",
+)
+@click.option(
+    "--tests",
+    "table",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="TABLE",
+    help="Instead of a problem: a table of tests, with the law and the fixed and linked parameters of the job.",
 )
 @click.option("--runs", type=click.IntRange(20, 10_000), default=200, show_default=True, help="Forward runs.")
 @click.option(
@@ -68,7 +75,8 @@ _OUTPUT = click.option(
 @connection_options
 def predict_command(
     source: str,
-    other: Path,
+    other: Path | None,
+    table: Path | None,
     runs: int,
     level: float,
     basis: Literal["auto", "posterior", "covariance"],
@@ -85,15 +93,18 @@ def predict_command(
     that are free or left out are taken from SOURCE by name. Its observations say where the series are wanted: 'points:
     {x: [..]}' is enough, and with y the measured points are compared with the band.
     """
+    if (other is None) == (table is None):
+        raise BadInputError(f"give --problem or --tests; {'neither is' if other is None else 'both are'} given")
     known = known_noise(noise)
     options: dict[str, Any] = {"runs": runs, "level": level, "noise": known, "source": basis}
     folder = as_folder(source)
     if folder is not None:
-        found = _predict_here(folder, other, options, workers, output)
+        found = _predict_here(folder, other, table, options, workers, output)
     else:
         with connect(url, api_key, SLOW_ANSWER) as client:
             job = find_job(client, source)
-            ended = _after_sensitivities(client, job, lambda: client.predict(job.id, other, **options))
+            predicted = _predicted(other, table, lambda: _problem_of(client, job))
+            ended = _after_sensitivities(client, job, lambda: client.predict(job.id, predicted, **options))
             answer = client.uncertainty(ended.id)
             if not answer.predictions:
                 raise FailedRunError("; ".join(answer.notes))
@@ -153,7 +164,8 @@ def design_command(
     """Rank candidate tests by how much they would narrow the intervals or a prediction.
 
     SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. FILE lists candidates: each has
-    a name, observations (series, points: {x: [..]}, error) and, unless it is of the same model, a forward_model.
+    a name, observations (series, points: {x: [..]}, error) and, unless it is of the same model, a forward_model. Or it
+    has a table of tests (tests: tests.csv), each a candidate.
     """
     known = known_noise(noise)
     options: dict[str, Any] = {"criterion": criterion, "draws": draws, "noise": known}
@@ -197,8 +209,24 @@ def _design_here(
     return document
 
 
+def _problem_of(client: Client, job: Job) -> Problem:
+    from geoswarm.solver.problem import parse_problem
+
+    return parse_problem(client.problem(job.id), programs=True)
+
+
+def _predicted(other: Path | None, table: Path | None, problem: Callable[[], Problem]) -> Mapping[str, Any] | Path:
+    """What is predicted: the problem of a file, or a table of tests with the law of the problem of the job."""
+    from geoswarm.solver.identifiability.prediction.question import problem_of_tests
+
+    if table is not None:
+        return problem_of_tests(problem(), table)
+    assert other is not None  # one of both is given
+    return other.absolute()
+
+
 def _predict_here(
-    folder: Path, other: Path, options: dict[str, Any], workers: int, output: Path | None
+    folder: Path, other: Path | None, table: Path | None, options: dict[str, Any], workers: int, output: Path | None
 ) -> dict[str, Any]:
     from geoswarm.solver.calibration import Calibration
     from geoswarm.solver.identifiability.stored.posterior import sample_posterior
@@ -210,7 +238,7 @@ def _predict_here(
     report = _examined(folder, workers, noise)
     question = prediction_question(
         report,
-        other.absolute(),
+        _predicted(other, table, lambda: report.problem),
         programs=True,
         posterior=lambda: sample_posterior(
             Calibration(report.problem, report.record.seed), report.samples, noise=noise

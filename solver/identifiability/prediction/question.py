@@ -11,12 +11,15 @@ from typing import Any
 
 from geoswarm.solver.errors import Issue, ProblemError, SolverError
 from geoswarm.solver.forward.base import ForwardModel
+from geoswarm.solver.forward.fields import OneMaterialSpec
 from geoswarm.solver.forward.registry import built, parse_spec
 from geoswarm.solver.identifiability.prediction.draws import ParameterSample
 from geoswarm.solver.problem import Problem, load_problem, parse_problem
 from geoswarm.solver.problem.parameters import missing_parameters
+from geoswarm.solver.problem.test_table.expansion import without_table
+from geoswarm.solver.words import listed
 
-__all__ = ["MOST_RUNS", "predict_problem", "question_hash"]
+__all__ = ["MOST_RUNS", "predict_problem", "problem_of_tests", "question_hash"]
 
 MOST_RUNS = 10_000
 OWN_KEYS = ("name", "method", "stopping", "seed", "priority")
@@ -124,6 +127,39 @@ def predict_problem(
         "seed": seed,
     }
     return parse_problem(document, programs=parsed.forward_model.runs_programs)
+
+
+def problem_of_tests(problem: Problem, table: Path) -> dict[str, Any]:
+    """The tests of a table as a problem to be predicted, with the law of a problem and what it fixes and links.
+
+    The initial void ratio is that of each test, and what holds for one test of the problem alone is left out.
+
+    Raises
+    ------
+    ProblemError
+        The tests of the problem have no law, or not the same one; or the table has mistakes.
+    """
+    specs = [spec for spec in problem.forward_model.by_part().values() if isinstance(spec, OneMaterialSpec)]
+    dumped = [spec.model_dump(mode="json") for spec in specs]
+    own = {json.dumps({key: one[key] for key in ("material", "settings") if one.get(key)}) for one in dumped}
+    if len(own) != 1:
+        found = listed([spec.law.kind for spec in specs]) if specs else "none"
+        message = f"the tests of the job must have one law that those of a table take, got {found}"
+        raise ProblemError([Issue("tests", f"{message}; write a problem file with tests and material")])
+    law = specs[0].law
+    free = set(problem.free_names) | law.derived
+    given = {name: one for name, one in problem.document()["parameters"].items() if name not in free}
+    wanted = [name for name in given if name in {info.name for info in law.parameters}]
+    parameters: dict[str, Any] = {}
+    while wanted:
+        name = wanted.pop(0)
+        if name not in parameters:
+            parameters[name] = given[name]
+            names = re.findall(r"[A-Za-z_]\w*", str(given[name].get("expression", "")))
+            wanted += [one for one in names if one in given]
+    document = {"name": table.stem, "tests": {"table": table.name, **json.loads(own.pop())}, "parameters": parameters}
+    with without_table(document, table.parent) as plain:
+        return plain
 
 
 def model_of(section: Any, folder: Path | None) -> ForwardModel | None:

@@ -1,4 +1,4 @@
-"""The file of candidates: possible tests or measuring points, without values."""
+"""The file of candidates: possible tests or measuring points, without values; or a table of tests, each a candidate."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.registry import PROGRAMS_REFUSED, built, find_spec, parse_spec
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.issues import issues_of, validated
+from geoswarm.solver.problem.test_table.expansion import without_table
 from geoswarm.solver.problem.text.reading import read_problem_file
 from geoswarm.solver.section import Section
 from geoswarm.solver.units import UnitError, convert
@@ -24,6 +25,8 @@ from geoswarm.solver.words import did_you_mean
 __all__ = ["Candidate", "CandidateFile", "Readings", "read_candidates", "read_predicted"]
 
 _MOST = 200
+_OF_TESTS = ("forward_model", "observations", "weighting")
+"""What a table of tests becomes."""
 
 
 class _PointsSection(Section):
@@ -100,23 +103,36 @@ def read_candidates(
     """
     folder = source.parent if isinstance(source, Path) else None
     document = read_problem_file(source) if isinstance(source, Path) else dict(source)
+    with without_table(document, folder) as plain:
+        return _candidates(problem, plain, noise, folder, programs)
+
+
+def _candidates(
+    problem: Problem, document: dict[str, Any], noise: Mapping[str, float], folder: Path | None, programs: bool
+) -> CandidateFile:
+    tests = _tests_of(document)
+    if tests:
+        rest = {key: value for key, value in document.items() if key not in _OF_TESTS}
+        document = rest | {"candidates": [*rest.get("candidates", ()), *tests.values()]}
     section, issues = validated(_FileSection, document, "")
     if section is None:
         raise ProblemError(issues)
     names = [candidate.name for candidate in section.candidates]
     doubled = sorted({name for name in names if names.count(name) > 1})
     issues += [Issue("candidates", f"two are called {name}; give each a name of its own") for name in doubled]
+    listed = len(names) - len(tests)
+    places = [*(f"candidates[{index}]" for index in range(listed)), *(f"forward_model.parts.{name}" for name in tests)]
     found = []
-    for index, given in enumerate(section.candidates):
-        path = f"candidates[{index}]"
-        spec, model, wrong = _model(problem, given.forward_model, f"{path}.forward_model", folder, programs)
+    for index, (one, path) in enumerate(zip(section.candidates, places, strict=True)):
+        place = f"{path}.forward_model" if index < listed else path
+        spec, model, wrong = _model(problem, one.forward_model, place, folder, programs)
         issues += wrong
         if model is None or spec is None:
             continue
         own = noise if spec is problem.forward_model else {}
-        readings, wrong = _all_readings(given.observations, model, own, path, wanted=True)
+        readings, wrong = _all_readings(one.observations, model, own, path, wanted=True)
         issues += wrong
-        found.append(Candidate(given.name, spec, readings, given.cost))
+        found.append(Candidate(one.name, spec, readings, one.cost))
     costs = [candidate.name for candidate in found if candidate.cost is None]
     if costs and len(costs) < len(found):
         issues.append(Issue("candidates", f"some have a cost; give all of them one ({', '.join(costs)} have none)"))
@@ -125,24 +141,62 @@ def read_candidates(
     return CandidateFile(tuple(found), section.parameters)
 
 
+def _tests_of(document: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """The parts of a combined model as candidates by name, each with the observations of its series; none without.
+
+    Raises
+    ------
+    ProblemError
+        The forward model is not combined, or has no observations.
+    """
+    model, observations = document.get("forward_model"), document.get("observations")
+    if model is None and observations is None:
+        return {}
+    parts = model.get("parts") if isinstance(model, Mapping) and model.get("kind") == "combined" else None
+    if not isinstance(parts, Mapping) or not isinstance(observations, list):
+        message = "of a file of candidates must be combined, with observations: each of its parts is a candidate"
+        raise ProblemError([Issue("forward_model", message)])
+    found: dict[str, dict[str, Any]] = {}
+    for name, part in parts.items():
+        own = [_wanted(one, f"{name}.") for one in observations if _series(one).startswith(f"{name}.")]
+        found[str(name)] = {"name": str(name), "forward_model": part, "observations": own}
+    return found
+
+
+def _series(observation: Any) -> str:
+    return str(observation.get("series", "")) if isinstance(observation, Mapping) else ""
+
+
+def _wanted(observation: Any, prefix: str = "") -> Any:
+    """What an observation of a problem says of where a series is wanted; its series without a prefix."""
+    if not isinstance(observation, Mapping):
+        return observation
+    kept = {key: value for key, value in observation.items() if key in _ReadingsSection.model_fields}
+    if isinstance(points := kept.get("points"), Mapping):
+        kept["points"] = {key: value for key, value in points.items() if key in ("x", "y")}
+    if isinstance(kept.get("series"), str):
+        kept["series"] = kept["series"].removeprefix(prefix)
+    return kept
+
+
 def read_predicted(
     problem: Problem, source: Mapping[str, Any] | Path, *, programs: bool = False
 ) -> tuple[Candidate, Mapping[str, Any]]:
     """Check the problem of a prediction: its forward model and the points that are wanted; and its parameters."""
     folder = source.parent if isinstance(source, Path) else None
     document = read_problem_file(source) if isinstance(source, Path) else dict(source)
+    document.setdefault("name", source.stem if isinstance(source, Path) else "prediction")
+    with without_table(document, folder) as plain:
+        return _predicted(problem, plain, folder, programs)
+
+
+def _predicted(
+    problem: Problem, document: Mapping[str, Any], folder: Path | None, programs: bool
+) -> tuple[Candidate, Mapping[str, Any]]:
     spec, model, issues = _model(problem, document.get("forward_model"), "forward_model", folder, programs)
     sections = []
     for index, given in enumerate(document.get("observations") or ()):
-        kept = (
-            {key: value for key, value in given.items() if key in _ReadingsSection.model_fields}
-            if isinstance(given, Mapping)
-            else given
-        )
-        points = kept.get("points") if isinstance(kept, dict) else None
-        if isinstance(points, Mapping):
-            kept["points"] = {key: value for key, value in points.items() if key in ("x", "y")}
-        section, wrong = validated(_ReadingsSection, kept, f"observations[{index}]")
+        section, wrong = validated(_ReadingsSection, _wanted(given), f"observations[{index}]")
         issues += wrong
         if section is not None:
             sections.append(section)
@@ -153,9 +207,8 @@ def read_predicted(
         readings, issues = _all_readings(sections, model, {}, "", wanted=False)
     if issues or spec is None:
         raise ProblemError(issues)
-    given_name = document.get("name") or (source.stem if isinstance(source, Path) else "prediction")
     parameters = document.get("parameters", {})
-    return Candidate(str(given_name)[:200], spec, readings), parameters if isinstance(parameters, Mapping) else {}
+    return Candidate(str(document["name"])[:200], spec, readings), parameters if isinstance(parameters, Mapping) else {}
 
 
 def _model(

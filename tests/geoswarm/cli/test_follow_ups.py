@@ -1,4 +1,4 @@
-"""``geoswarm sensitivity``, ``profile``, ``influence`` and ``posterior``: on a folder, a problem file, and a job."""
+"""Follow-ups, such as ``geoswarm sensitivity`` and ``predict``: on a folder, a problem file, and a job."""
 
 from __future__ import annotations
 
@@ -141,6 +141,35 @@ def test_each_test_of_a_folder_is_left_out(tmp_path: Path, capsys: pytest.Captur
     assert "By linearisation, without further runs." not in page
     assert main(["report", str(folder / "jackknife"), "--html", "--output", str(tmp_path)]) == 0
     assert "Fitted without each of 4 tests." in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.usefixtures("blank_figures")
+def test_a_table_of_tests_is_predicted_with_the_law_of_the_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, folder, table = tmp_path / "problem.json", tmp_path / "out", tmp_path / "further.csv"
+    y = [10.1, 19.8, 30.3, 39.9, 60.1]
+    document = {
+        "forward_model": {
+            **{"kind": "triaxial", "material": "elastic", "initial_stress": 50},
+            "shearing": [{"kind": "monotonic", "axial_strain": 0.01}],
+        },
+        "parameters": {"E": {"lower": 1000, "upper": 100000}, "nu": {"value": 0.3}},
+        "observations": [{"series": "q", "points": {"x": [0.001, 0.002, 0.003, 0.004, 0.006], "y": y}}],
+        "stopping": {"max_evaluations": 60},
+        "seed": 1,
+    }
+    path.write_text(json.dumps(document), encoding="utf-8")
+    (tmp_path / "A.csv").write_text("axial strain [%],q [kPa]\n0.1,10\n0.2,20\n", encoding="utf-8")
+    table.write_text("file,kind,cell pressure [kPa]\nA.csv,CD,100\n", encoding="utf-8")
+    assert main(["run", str(path), "--output", str(folder), "--json"]) == 0
+    capsys.readouterr()
+    assert main(["predict", str(folder), "--tests", str(table), "--runs", "40", "--json"]) == 0
+    (one,) = told(capsys)["series"]  # type: ignore[misc,attr-defined]
+    assert (one["series"], one["inside"]) == ("A.q", 2)
+    assert (folder / "predict" / "further" / "prediction.json").is_file()
+    assert main(["predict", str(folder)]) == 2
+    assert "give --problem or --tests; neither is given" in capsys.readouterr().err
 
 
 def test_of_one_test_none_is_left_out(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

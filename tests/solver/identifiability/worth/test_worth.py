@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from geoswarm.calibration import calibrate
 from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.problem.draft import inlined_document
 from tests.solver.identifiability.cases import WHITE, X, free, problem_of
 from tests.solver.identifiability.worth.brute_force import PROBLEMS, designed, fitted, scatter
 
@@ -118,12 +120,49 @@ def test_two_basins_are_told_apart_by_the_reading_that_differs() -> None:
         ({"candidates": [reading("x", 1.0, forward_model={"kind": "formula", "series": {"y": "k * x"}})]},
          "parameters.k"),
         ({"candidates": [reading("x", 1.0, forward_model={"kind": "nonsense"})]}, "candidates[0].forward_model.kind"),
+        ({"forward_model": {"kind": "formula", "series": {"y": "a * x"}}}, "forward_model"),
+        ({"candidates": [reading("x", 1.0)], "weighting": "by_test"}, "weighting"),
     ],
 )  # fmt: skip
 def test_mistakes_are_told_with_their_path(line: Any, change: dict[str, Any], path: str) -> None:
     with pytest.raises(ProblemError) as caught:
         line.design(change)
     assert path in {issue.path for issue in caught.value.issues}, caught.value
+
+
+def table(folder: Path, changes: str = "") -> Path:
+    """A file of two triaxial tests in a table, the second over ten times the strain."""
+    for name, scale in (("short", 1.0), ("long", 10.0)):
+        rows = "\n".join(f"{scale * x},{10.0 * x}" for x in (0.1, 0.2, 0.4))
+        (folder / f"{name}.csv").write_text(f"axial strain [%],q [kPa]\n{rows}\n")
+    (folder / "tests.csv").write_text("file,kind,cell pressure [kPa]\nshort.csv,CD,100\nlong.csv,CD,100\n")
+    file = folder / "further.yaml"
+    file.write_text(f"tests: {{table: tests.csv, material: elastic{changes}}}\nparameters: {{nu: {{value: 0.3}}}}\n")
+    return file
+
+
+def test_each_test_of_a_table_is_a_candidate(tmp_path: Path) -> None:
+    problem = problem_of("E * x", {"E": free(100.0, 5000.0)}, 1000.0 * X + 20.0 * NOISE)
+    result = calibrate(problem, seed=3, method={"kind": "particle_swarm", "particles": 10, "acceleration": "none"})
+    file = table(tmp_path, ", q_error: 1")
+    found = result.design(file, draws=0)
+    assert [one.name for one in found.candidates] == ["long", "short"]
+    alone = reading("short", 0.001, 0.002, 0.004, error=1.0)
+    alone["observations"][0]["series"] = "q"
+    alone["forward_model"] = {
+        "kind": "triaxial",
+        "material": "elastic",
+        "initial_stress": 100.0,
+        "shearing": [{"kind": "monotonic", "axial_strain": 0.004}],
+    }
+    same = result.design({"candidates": [alone], "parameters": {"nu": {"value": 0.3}}}, draws=0)
+    assert found.candidates[1].widths == pytest.approx(same.best.widths)
+    sent = {key: value for key, value in inlined_document(file).items() if key != "name"}  # as the client does
+    assert result.design(sent, draws=0).to_json() == found.to_json()
+    near = {"candidates": [reading("x", 1.0, error=1.0)]}
+    assert result.design(near, predict=file, draws=0).predicted == "further"
+    with pytest.raises(ProblemError, match="no error of a reading of q"):
+        result.design(table(tmp_path), draws=0)
 
 
 def _rank(name: str, repeats: int, draws: int, seed: int) -> int:
