@@ -59,7 +59,9 @@ def _sketches(draft: Draft) -> list[DraftSketch] | None:
 
 
 def _estimates(draft: Draft) -> list[DraftEstimate]:
-    from geoswarm.solver.estimates.draft import estimates_of_draft  # with Numba, for which a formula should not wait
+    from geoswarm.solver.parameter_estimates.proposal import (
+        estimates_of_draft,  # with Numba, for which a formula should not wait
+    )
 
     return [DraftEstimate.model_validate(one) for one in estimates_of_draft(draft)]
 

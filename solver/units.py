@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache, lru_cache
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ import numpy.typing as npt
 from geoswarm.solver.arrays import FloatArray
 
 __all__ = [
+    "WATER",
     "UnitError",
     "base_unit",
     "convert",
@@ -23,6 +24,9 @@ __all__ = [
     "shown_unit",
     "with_unit",
 ]
+
+WATER: Final = 9.81
+"""Unit weight of water, kN/m³."""
 
 _PURE = ("", "1", "-", "dimensionless")
 

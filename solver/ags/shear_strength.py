@@ -11,8 +11,8 @@ from typing import Literal, TypeAlias
 
 from geoswarm.solver.ags.specimens import Specimen, details_of, specimen_of, without_test
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
-from geoswarm.solver.classical.curves import NoEvaluationError
-from geoswarm.solver.classical.mohr_circles import Strength, mohr_circles
+from geoswarm.solver.parameter_estimates.mohr_circles import Strength, mohr_circles
+from geoswarm.solver.parameter_estimates.values import NoEvaluationError
 
 __all__ = ["Failure", "ShearTest", "shear_tests", "strength_of"]
 

@@ -12,11 +12,10 @@ from pydantic import Field, model_validator
 from geoswarm.solver.column.drains import DrainsSection
 from geoswarm.solver.column.model import ColumnModel
 from geoswarm.solver.column.rest import GroundAtRest
-from geoswarm.solver.correlations.properties import IndexProperties
-from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
 from geoswarm.solver.forward.fields import Geometry, LawSettings, StepError, require_stage
 from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STAGES, MAX_STRESS
+from geoswarm.solver.index_properties import IndexProperties, IndexSection
 from geoswarm.solver.laboratory.section import Loading, Part, ratio_fault, settings_fault
 from geoswarm.solver.sketches.declared import Drains, Ground, Layer, Load, Sketch
 from geoswarm.solver.sketches.stages import load_panel

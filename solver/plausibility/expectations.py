@@ -10,7 +10,7 @@ from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import with_unit
 
 if TYPE_CHECKING:
-    from geoswarm.solver.estimates.index import ParameterEstimate
+    from geoswarm.solver.parameter_estimates.index import ParameterEstimate
 
 __all__ = ["unexpected_bounds"]
 
@@ -28,7 +28,9 @@ def unexpected_bounds(problem: Problem) -> Iterator[Sentence]:
         part.index_properties_of_soils for part in problem.forward_model.by_part().values()
     ):
         return
-    from geoswarm.solver.estimates.index import estimates_of  # with Numba, for which a formula should not wait
+    from geoswarm.solver.parameter_estimates.index import (
+        estimates_of,  # with Numba, for which a formula should not wait
+    )
 
     by_name: dict[str, list[ParameterEstimate]] = {}
     for one in estimates_of(problem):

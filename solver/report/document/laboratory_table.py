@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from geoswarm.solver.estimates.index import ParameterEstimate
-from geoswarm.solver.estimates.value import ClassicalValue
+from geoswarm.solver.parameter_estimates.index import ParameterEstimate
+from geoswarm.solver.parameter_estimates.values import ClassicalValue
 from geoswarm.solver.problem import FreeParameter, Problem
 from geoswarm.solver.report.document.parts import Table
 from geoswarm.solver.report.laboratory import LaboratoryValue

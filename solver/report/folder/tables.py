@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geoswarm.solver.calibration import Evaluation
-from geoswarm.solver.estimates.classical import classical_values
-from geoswarm.solver.estimates.index import estimates_of, index_document
+from geoswarm.solver.parameter_estimates.classical import classical_values
+from geoswarm.solver.parameter_estimates.index import estimates_of, index_document
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
 from geoswarm.solver.report.document.laboratory import calculated_values
