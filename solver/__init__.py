@@ -42,8 +42,6 @@
                          program
 ``section``              what all sections of a problem file have in common
 ``sketches``             sketches of tests: the specimen or the ground with what acts on it, and the loading programme
-``space``                the search space of a problem
-``stress_measures``      mean and deviatoric stress of many states at once, in arrays
 ``system``               what the solver needs of the system below it
 ``units``                units at the door: factors between the units that users write and the base units of series (kN,
                          m, day, degree)

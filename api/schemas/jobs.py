@@ -12,8 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
 
 from geoswarm.records.evaluation import Attempt, Evaluation, Response
-from geoswarm.records.history import Generation
-from geoswarm.records.job import Job
+from geoswarm.records.job import Generation, Job
 from geoswarm.records.statistics import WeightShare
 from geoswarm.records.worker import Worker
 from geoswarm.solver.problem import Stopping

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from geoswarm.client._async.client import AsyncClient
 from geoswarm.client._sync.client import Client
-from geoswarm.client.administration import Operations, Session
 from geoswarm.client.bodies import Displacement, Mesh, MeshFields, Phase
 from geoswarm.client.errors import (
     ConflictError,
@@ -41,9 +40,11 @@ from geoswarm.client.models import (
     ForwardModel,
     ForwardModelInfo,
     Health,
+    Operations,
     Parameter,
     Report,
     Series,
+    Session,
     TestRun,
     WarmStart,
 )
@@ -51,8 +52,7 @@ from geoswarm.client.points import PointParameter, Points, PointSeries
 from geoswarm.records.account import Hook, Key, NewHook, NewKey
 from geoswarm.records.evaluation import Attempt, Best, Evaluation, Response
 from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
-from geoswarm.records.history import Event, Generation
-from geoswarm.records.job import Job, Retry
+from geoswarm.records.job import Event, Generation, Job, Retry
 from geoswarm.records.record import Page
 from geoswarm.records.statistics import ReweightAnswer, SeriesShare, StatisticsAnswer, WeightShare
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer

@@ -11,13 +11,12 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.cam_clay import cam_clay_step
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.laws.base import Law, Setting, StateVariable
+from geoswarm.solver.laws.base import Law, Setting, StateVariable, mean_and_squared_q
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.sources import BJERRUM, BOWLES, KULHAWY, SCHOFIELD, TERZAGHI, WOOD
 from geoswarm.solver.laws.terms import LN10, Term, oedometric, same
 from geoswarm.solver.laws.usual_parameters import pre_overburden
 from geoswarm.solver.parameter_info import ParameterInfo
-from geoswarm.solver.stress_measures import mean_and_squared_q
 
 __all__ = ["ModifiedCamClay"]
 

@@ -17,7 +17,7 @@ from geoswarm.solver.constitutive.soft_soil_creep.physics import (
 )
 from geoswarm.solver.constitutive.soft_soil_creep.step import soft_soil_step
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
+from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces, mean_and_squared_q
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF
 from geoswarm.solver.laws.sources import BJERRUM, BRINKGREVE, MESRI_CREEP, PLAXIS, TERZAGHI
@@ -32,7 +32,6 @@ from geoswarm.solver.laws.usual_parameters import (
     unloading_poisson,
 )
 from geoswarm.solver.parameter_info import ParameterInfo
-from geoswarm.solver.stress_measures import mean_and_squared_q
 
 __all__ = ["PARAMETERS", "SOFT_SOIL_TERMS", "SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
 

@@ -18,8 +18,8 @@ from geoswarm.solver.declared_parameter import DeclaredParameter, ParameterName
 from geoswarm.solver.errors import ExpressionError, InfeasibleError, Issue, ProblemError
 from geoswarm.solver.expressions import Expression, parse_expression
 from geoswarm.solver.external.runs.fingerprints import fingerprint
+from geoswarm.solver.laws.base import mean_and_squared_q
 from geoswarm.solver.section import Section
-from geoswarm.solver.stress_measures import mean_and_squared_q
 from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import did_you_mean
 

@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
-from geoswarm.records.history import Event
-from geoswarm.records.job import Job
+from geoswarm.records.job import Event, Job
 from geoswarm.records.record import Page
 from geoswarm.records.states import SERVED_STATES
 from geoswarm.records.worker import Worker

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Request, Response
 
-from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.schemas.statistics import (
     DesignRequest,
@@ -20,7 +19,7 @@ from geoswarm.api.schemas.statistics import (
     ProfileRequest,
     SensitivityRequest,
 )
-from geoswarm.api.views import Noise
+from geoswarm.api.views import Noise, read_record
 from geoswarm.records.job import Job
 from geoswarm.records.progress import FollowUpCosts
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer

@@ -11,7 +11,6 @@ import click
 
 from geoswarm.cli.options import connection_options, job_argument, json_option
 from geoswarm.cli.service.connection import connect, find_job
-from geoswarm.cli.words.labels import root_mean_square, with_unit
 from geoswarm.cli.words.output import (
     duration,
     echo_facts,
@@ -21,6 +20,8 @@ from geoswarm.cli.words.output import (
     number,
     reasons_in_words,
     record_json,
+    root_mean_square,
+    with_unit,
 )
 from geoswarm.cli.words.result import show_fit, show_values, values_json
 from geoswarm.records.states import JOB_STATES

@@ -13,7 +13,7 @@ from geoswarm.client.files import partial_file
 from geoswarm.client.points import Points, read_points
 from geoswarm.records.evaluation import Attempt, Best, Evaluation
 from geoswarm.records.fit import Fit
-from geoswarm.records.history import Generation
+from geoswarm.records.job import Generation
 from geoswarm.records.record import Page
 
 __all__ = [

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from urllib.parse import quote
 
 from geoswarm.client._sync.connection import Connection
-from geoswarm.client.administration import Operations, Session
 from geoswarm.client.calls import API, JSON_BODY, Call, nothing, present, reader
-from geoswarm.client.models import ForwardModel, ForwardModelInfo, Health
+from geoswarm.client.models import ForwardModel, ForwardModelInfo, Health, Operations, Session
 from geoswarm.records.account import Hook, Key, NewHook, NewKey, Role
 from geoswarm.records.states import ENDED_STATES, EndedState
 from geoswarm.records.worker import Worker

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from geoswarm.solver.external.umbridge.client import address_of
+from geoswarm.solver.external.umbridge import address_of
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
 
 if TYPE_CHECKING:

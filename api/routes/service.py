@@ -1,27 +1,27 @@
-"""Health, for supervisors and load balancers; needs no API key."""
+"""The service itself: its health, for supervisors and load balancers without an API key, and its workers."""
 
 from __future__ import annotations
 
 import anyio.to_thread
 from fastapi import APIRouter, Request, Response
 
-from geoswarm.api.dependencies import Service, limiter
-from geoswarm.api.schemas.jobs import Health, Liveness
+from geoswarm.api.dependencies import Service, limiter, problems_of
+from geoswarm.api.schemas.jobs import Health, Liveness, WorkerList
 
-__all__ = ["router"]
+__all__ = ["health_router", "workers_router"]
 
-router = APIRouter(prefix="/health", tags=["health"])
+health_router = APIRouter(prefix="/health", tags=["health"])
 
 WORKING = frozenset({"ok", "embedded"})
 
 
-@router.get("/live")
+@health_router.get("/live")
 async def live() -> Liveness:
     """Answer while the process is alive."""
     return Liveness()
 
 
-@router.get("/ready", responses={503: {"model": Health, "description": "A dependency cannot be reached"}})
+@health_router.get("/ready", responses={503: {"model": Health, "description": "A dependency cannot be reached"}})
 async def ready(service: Service, request: Request, response: Response) -> Health:
     """Show whether database and broker can be used, and which one cannot.
 
@@ -31,3 +31,12 @@ async def ready(service: Service, request: Request, response: Response) -> Healt
     healthy = WORKING.issuperset(dependencies.values())
     response.status_code = 200 if healthy else 503
     return Health(status="ok" if healthy else "unavailable", dependencies=dependencies)
+
+
+workers_router = APIRouter(prefix="/workers", tags=["workers"])
+
+
+@workers_router.get("", responses=problems_of())
+def list_workers(service: Service) -> WorkerList:
+    """List the workers, what they do and when they were last seen."""
+    return WorkerList(items=service.workers())
