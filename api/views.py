@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
@@ -21,7 +21,7 @@ from geoswarm.solver.report.jsonable import jsonable
 if TYPE_CHECKING:
     from geoswarm.solver.report.compared import Compared
 
-__all__ = ["Noise", "View", "WantedReport", "WantedView", "read_record"]
+__all__ = ["Noise", "View", "WantedReport", "WantedView", "read_record", "record_of"]
 
 
 def _noise(
@@ -132,6 +132,12 @@ def read_record(kind: type[T], document: Mapping[str, Any]) -> T:
     record: Any = kind
     found: T = _adapter(record).validate_python(jsonable(document))
     return found
+
+
+def record_of(kind: type[T], source: Any) -> T:
+    """Return a record of the attributes of the same names; what is not finite in them is None."""
+    record: Any = kind
+    return read_record(kind, {one.name: getattr(source, one.name) for one in fields(record)})
 
 
 @cache

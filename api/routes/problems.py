@@ -16,7 +16,9 @@ from geoswarm.api.drafts import describe_draft, find_examples
 from geoswarm.api.errors import DetailError
 from geoswarm.api.routes.jobs import PROBLEM_BODY
 from geoswarm.api.schemas.drafts import Example, ExampleList, ExampleSummary, FilesOfTests, ProblemDraft, ProblemOfTests
-from geoswarm.api.schemas.jobs import CheckResult, WarmStarts
+from geoswarm.api.schemas.jobs import WarmStarts
+from geoswarm.api.views import read_record
+from geoswarm.records.problem import CheckResult
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
 from geoswarm.solver.problem.draft import document_of_tests
@@ -44,7 +46,7 @@ async def check(document: ProblemDocument, request: Request, service: Service) -
     problem = await anyio.to_thread.run_sync(parse_problem, document)
     report = await anyio.to_thread.run_sync(service.check, problem, limiter=limiter(request, "test runs"))
     earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
-    return CheckResult.model_validate(asdict(report) | {"warm_starts": [asdict(job) for job in earlier]})
+    return read_record(CheckResult, asdict(report) | {"warm_starts": [asdict(job) for job in earlier]})
 
 
 @router.post(

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from geoswarm.client._async.client import AsyncClient
 from geoswarm.client._sync.client import Client
-from geoswarm.client.bodies import Displacement, Mesh, MeshFields, Phase
 from geoswarm.client.errors import (
     ConflictError,
     ConnectionFailedError,
@@ -34,29 +33,19 @@ from geoswarm.client.errors import (
     UnauthorizedError,
     WaitTimeoutError,
 )
-from geoswarm.client.models import (
-    CheckResult,
-    Figure,
-    ForwardModel,
-    ForwardModelInfo,
-    Health,
-    Operations,
-    Parameter,
-    Report,
-    Series,
-    Session,
-    TestRun,
-    WarmStart,
-)
+from geoswarm.client.models import Displacement, Figure, Mesh, MeshFields, Phase, Report
 from geoswarm.client.points import PointParameter, Points, PointSeries
 from geoswarm.records.account import Hook, Key, NewHook, NewKey
 from geoswarm.records.evaluation import Attempt, Best, Evaluation, Response
 from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
 from geoswarm.records.job import Event, Generation, Job, Retry
+from geoswarm.records.problem import CheckResult, Parameter, Series, TestRun, WarmStart
+from geoswarm.records.problem import ForwardModelDetail as ForwardModel
+from geoswarm.records.problem import ForwardModelSummary as ForwardModelInfo
 from geoswarm.records.record import Page
+from geoswarm.records.service import Health, Operations, Session, Worker
 from geoswarm.records.statistics import ReweightAnswer, SeriesShare, StatisticsAnswer, WeightShare
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
-from geoswarm.records.worker import Worker
 
 __all__ = [
     "AsyncClient",

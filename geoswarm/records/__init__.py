@@ -14,7 +14,8 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``uncertainty``  what its follow-ups have found, a sample of the posterior
 ``arrays``       how arrays are read and written
 ``progress``     how far a job is within its generation, and what its follow-ups would cost
-``worker``       processes that run forward calculations
 ``account``      what an owner sets up in a service: API keys with their roles, hooks
+``service``      the service itself: its health and workers, what it has to do, and who asks
+``problem``      what a check of a problem says, and what forward models have
 ===============  ==========================================================================
 """
