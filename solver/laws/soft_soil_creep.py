@@ -20,12 +20,14 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces, mean_and_squared_q
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF
-from geoswarm.solver.laws.sources import BJERRUM, BRINKGREVE, MESRI_CREEP, PLAXIS, TERZAGHI
+from geoswarm.solver.laws.sources import BRINKGREVE, MESRI_CREEP, PLAXIS, TERZAGHI
 from geoswarm.solver.laws.terms import COHESION, FRICTION, LN10, Term, oedometric, same
 from geoswarm.solver.laws.usual_parameters import (
     DILATANCY,
+    angle,
     cohesion,
     normal_K0,
+    overconsolidation,
     pre_overburden,
     too_dilatant,
     two_pasts,
@@ -102,17 +104,13 @@ PARAMETERS = (
         source=MESRI_CREEP,
     ),
     cohesion(50.0),
-    ParameterInfo(
+    angle(
         "phi",
         "φ",
-        "degree",
         "Effective friction angle; 0 is refused.",
-        lower=0.0,
-        upper=90.0,
+        (15.0, 35.0),
+        f"{TERZAGHI}, article 19 (clays)",
         lower_open=True,
-        upper_open=True,
-        typical=(15.0, 35.0),
-        source=f"{TERZAGHI}, article 19 (clays)",
     ),
     DILATANCY,
     unloading_poisson(0.15, 0.1, 0.2),
@@ -127,17 +125,10 @@ PARAMETERS = (
         typical=(0.8, 1.8),
         source=BRINKGREVE,
     ),
-    ParameterInfo(
-        "OCR",
-        "OCR",
-        "",
+    overconsolidation(
         "Initial overconsolidation ratio p_p/p_eq of the model; without cohesion that of the vertical stress. "
         "Translated, both hold a = c cot(phi): with p = a = 20 kPa, OCR = 2 is a preconsolidation stress of "
-        "2 (p + a) - a = 60 kPa. POP counts stresses as they are.",
-        default=1.0,
-        lower=1.0,
-        typical=(1.0, 4.0),
-        source=BJERRUM,
+        "2 (p + a) - a = 60 kPa. POP counts stresses as they are."
     ),
     pre_overburden(50.0),
 )
