@@ -1,4 +1,7 @@
-// Round values for an axis.
+// What plots share: round values for an axis, fewer items where not all can be shown, and colours.
+
+// Colours of a quantity from low to high: the part of viridis that is visible on white and on black, as in the report.
+export const COLOURS = ["#46327e", "#3f4889", "#365d8d", "#2e6f8e", "#277f8e", "#21918c", "#1fa187", "#2db27d", "#46c06f", "#6ccd5a", "#a2da37"];
 
 /** Round values between two limits, at most this number; powers of ten on a log scale where two fit. */
 export function ticks(lower, upper, scale, most = 4) {
@@ -29,4 +32,12 @@ export function tickText(value) {
   const [digits, power] = value.toExponential(1).split("e");
   const raised = [...String(Number(power))].map((sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]).join("");
   return Number(digits) === 1 ? `10${raised}` : `${Number(digits)}·10${raised}`;
+}
+
+/** At most about `most` of the items, evenly chosen, with the first, the last, and (by `keep`) all that matter. */
+export function thinned(items, most, keep = () => false) {
+  if (items.length <= most) return items;
+  const step = (items.length - 1) / (most - 1);
+  const chosen = new Set(Array.from({ length: most }, (_, i) => Math.round(i * step)));
+  return items.filter((item, i) => chosen.has(i) || keep(item, i));
 }
