@@ -31,11 +31,11 @@ from geoswarm.solver.parameter_estimates.shear import (
 from geoswarm.solver.parameter_estimates.values import ClassicalValue, Construction, NoEvaluationError
 from geoswarm.solver.problem import Observation, Problem
 
-__all__ = ["Evaluated", "calculated_problem", "classical_evaluation", "classical_values"]
+__all__ = ["ClassicalEvaluation", "calculated_problem", "classical_evaluation", "classical_values"]
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluated:
+class ClassicalEvaluation:
     """What a ruler gives, and what was drawn for it."""
 
     values: tuple[ClassicalValue, ...] = ()
@@ -47,14 +47,14 @@ def classical_values(problem: Problem) -> tuple[ClassicalValue, ...]:
     return classical_evaluation(problem).values
 
 
-def classical_evaluation(problem: Problem) -> Evaluated:
+def classical_evaluation(problem: Problem) -> ClassicalEvaluation:
     """Evaluate the readings of all laboratory tests of a problem.
 
     Nothing of the law's parameters is looked at; programs of the user's and layered ground have no such evaluation.
     Readings that ``stage_x_from`` leaves out of the search count: c_v is that of primary consolidation.
     """
     if problem.forward_model.runs_outside:
-        return Evaluated()
+        return ClassicalEvaluation()
     problem = replace(problem, observations=tuple(_with_early(one) for one in problem.observations))
     values: list[ClassicalValue] = []
     drawn: list[Construction] = []
@@ -91,7 +91,7 @@ def classical_evaluation(problem: Problem) -> Evaluated:
         values += triaxial_values(specimens)
         circles = triaxial_construction(specimens)
         drawn += [] if circles is None else [circles]
-    return Evaluated((*values, *without), tuple(drawn))
+    return ClassicalEvaluation((*values, *without), tuple(drawn))
 
 
 def _with_early(observation: Observation) -> Observation:

@@ -21,7 +21,13 @@ from geoswarm.solver.parameter_estimates.compression_curve import (
     virgin_line,
 )
 from geoswarm.solver.parameter_estimates.readings import LoadTest, measured_strain, observed, rising
-from geoswarm.solver.parameter_estimates.values import ClassicalValue, Construction, Line, Mark, NoEvaluationError
+from geoswarm.solver.parameter_estimates.values import (
+    ClassicalValue,
+    Construction,
+    DrawnLine,
+    DrawnPoint,
+    NoEvaluationError,
+)
 from geoswarm.solver.problem import Problem
 
 __all__ = [
@@ -151,12 +157,12 @@ def _casagrande(read: CompressionReadings, stress: str, quantity: str) -> Constr
     at = np.array([found.place, x[-1]])
     meets = max(past - 0.15, x[0])
     lines = (
-        Line(
+        DrawnLine(
             "virgin line", 10.0 ** np.array([meets, x[-1]]), line.start - line.index * np.array([meets, x[-1]]), "main"
         ),
-        Line("horizontal", 10.0**at, np.full(2, found.void_ratio)),
-        Line("tangent", 10.0**at, found.void_ratio + found.tangent * (at - found.place)),
-        Line("bisector", 10.0**at, found.void_ratio + found.bisector * (at - found.place)),
+        DrawnLine("horizontal", 10.0**at, np.full(2, found.void_ratio)),
+        DrawnLine("tangent", 10.0**at, found.void_ratio + found.tangent * (at - found.place)),
+        DrawnLine("bisector", 10.0**at, found.void_ratio + found.bisector * (at - found.place)),
     )
     lowest = float(read.y.min())
     cut = []
@@ -167,10 +173,10 @@ def _casagrande(read: CompressionReadings, stress: str, quantity: str) -> Constr
             continue
         share = (one.y[0] - lowest) / (one.y[0] - one.y[1])
         end = 10.0 ** (np.log10(one.x[0]) + share * (np.log10(one.x[1]) - np.log10(one.x[0])))
-        cut.append(Line(one.label, np.array([one.x[0], end]), np.array([one.y[0], lowest]), one.role))
+        cut.append(DrawnLine(one.label, np.array([one.x[0], end]), np.array([one.y[0], lowest]), one.role))
     marks = (
-        Mark("largest curvature", 10.0**found.place, found.void_ratio),
-        Mark(f"σ′p = {found.stress:.3g} kPa", found.stress, float(line.start - line.index * past)),
+        DrawnPoint("largest curvature", 10.0**found.place, found.void_ratio),
+        DrawnPoint(f"σ′p = {found.stress:.3g} kPa", found.stress, float(line.start - line.index * past)),
     )
     return Construction(
         "casagrande",
@@ -197,10 +203,10 @@ def _log_log(read: CompressionReadings, stress: str) -> Construction:
     reach = 0.1 * (x[-1] - x[0])
     before, after = np.array([x[0], past + reach]), np.array([past - reach, x[-1]])
     lines = (
-        Line("reloading", 10.0**before, found.before[1] + found.before[0] * before, "main"),
-        Line("virgin line", 10.0**after, found.after[1] + found.after[0] * after, "main"),
+        DrawnLine("reloading", 10.0**before, found.before[1] + found.before[0] * before, "main"),
+        DrawnLine("virgin line", 10.0**after, found.after[1] + found.after[0] * after, "main"),
     )
-    mark = Mark(f"σ′p = {found.stress:.3g} kPa", found.stress, float(found.before[1] + found.before[0] * past))
+    mark = DrawnPoint(f"σ′p = {found.stress:.3g} kPa", found.stress, float(found.before[1] + found.before[0] * past))
     return Construction(
         "log_log",
         read.part,

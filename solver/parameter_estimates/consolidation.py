@@ -11,7 +11,13 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.parameter_estimates.consolidation_curve import Consolidation, log_time, root_time
 from geoswarm.solver.parameter_estimates.readings import LoadTest, observed
-from geoswarm.solver.parameter_estimates.values import ClassicalValue, Construction, Line, Mark, NoEvaluationError
+from geoswarm.solver.parameter_estimates.values import (
+    ClassicalValue,
+    Construction,
+    DrawnLine,
+    DrawnPoint,
+    NoEvaluationError,
+)
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.stages import stage_of, stage_times
 from geoswarm.solver.units import WATER
@@ -174,15 +180,17 @@ def _told(symbol: str, found: Consolidation) -> str:
 def _root(read: StageReadings, found: Consolidation, x: FloatArray, y: FloatArray, at: str) -> Construction:
     root_day = math.sqrt(_MINUTES)
     t_90 = math.sqrt(found.time) * root_day
-    lines: list[Line] = []
+    lines: list[DrawnLine] = []
     for label, (slope, start) in zip(("first part", "abscissas × 1.155"), found.lines, strict=True):
         reach = min(1.15 * t_90, 1.1 * (found.end - start) / slope * root_day)
         ends = np.array([0.0, reach])
-        lines.append(Line(label, ends, 100.0 * (start + slope * ends / root_day), "main" if not lines else "helper"))
+        lines.append(
+            DrawnLine(label, ends, 100.0 * (start + slope * ends / root_day), "main" if not lines else "helper")
+        )
     d_90 = found.start + 0.9 * (found.end - found.start)
     marks = (
-        Mark("d₀", 0.0, 100.0 * found.start),
-        Mark(_told("t₉₀", found), t_90, 100.0 * d_90),
+        DrawnPoint("d₀", 0.0, 100.0 * found.start),
+        DrawnPoint(_told("t₉₀", found), t_90, 100.0 * d_90),
     )
     shown = x <= 4.0 * t_90
     return Construction(
@@ -210,12 +218,12 @@ def _log(read: StageReadings, found: Consolidation, x: FloatArray, y: FloatArray
     last = math.log10(x[-1] / _MINUTES)
     spans = (np.array([first, meet + 0.1]), np.array([meet - 0.4, last]))
     lines = (
-        Line("steepest tangent", 10.0 ** spans[0] * _MINUTES, 100.0 * (tangent + steep * spans[0]), "main"),
-        Line("secondary compression", 10.0 ** spans[1] * _MINUTES, 100.0 * (tail + flat * spans[1]), "main"),
-        Line("d₀ by the parabola", x[[0, -1]], np.full(2, 100.0 * found.start)),
-        Line("d₁₀₀", x[[0, -1]], np.full(2, 100.0 * found.end)),
+        DrawnLine("steepest tangent", 10.0 ** spans[0] * _MINUTES, 100.0 * (tangent + steep * spans[0]), "main"),
+        DrawnLine("secondary compression", 10.0 ** spans[1] * _MINUTES, 100.0 * (tail + flat * spans[1]), "main"),
+        DrawnLine("d₀ by the parabola", x[[0, -1]], np.full(2, 100.0 * found.start)),
+        DrawnLine("d₁₀₀", x[[0, -1]], np.full(2, 100.0 * found.end)),
     )
-    mark = Mark(_told("t₅₀", found), found.time * _MINUTES, 50.0 * (found.start + found.end))
+    mark = DrawnPoint(_told("t₅₀", found), found.time * _MINUTES, 50.0 * (found.start + found.end))
     return Construction(
         f"log_time_{read.stage}",
         read.part,

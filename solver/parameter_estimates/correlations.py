@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 from geoswarm.solver.index_properties import IndexProperties, SoilClass
 
-__all__ = ["COMPRESSIBILITY", "CORRELATIONS", "Correlated", "Correlation", "SAND", "STRENGTH", "correlated"]
+__all__ = ["COMPRESSIBILITY", "CORRELATIONS", "Correlated", "PublishedCorrelation", "SAND", "STRENGTH", "correlated"]
 
 
 @dataclass(frozen=True, slots=True)
-class Correlation:
+class PublishedCorrelation:
     """A correlation.
 
     Parameters
@@ -89,7 +89,7 @@ class Correlated:
     words; empty: none.
     """
 
-    correlation: Correlation
+    correlation: PublishedCorrelation
     value: float
     ends: tuple[float, float] | None
     outside: str
@@ -106,7 +106,7 @@ _CLASSES: tuple[tuple[SoilClass, str, float], ...] = (
 )
 
 COMPRESSIBILITY = (
-    Correlation(
+    PublishedCorrelation(
         "Cc",
         "0.009 (w_L - 10)",
         lambda w_L: 0.009 * (w_L - 10.0),
@@ -115,7 +115,7 @@ COMPRESSIBILITY = (
         "Terzaghi & Peck (1967), Soil Mechanics in Engineering Practice, 2nd ed.",
         scatter=0.3,
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cc",
         "0.007 (w_L - 10), remoulded",
         lambda w_L: 0.007 * (w_L - 10.0),
@@ -123,7 +123,7 @@ COMPRESSIBILITY = (
         "remoulded clays",
         "Skempton (1944), Q. J. Geol. Soc. London 100, 119-135",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cc",
         "0.37 (e_0 + 0.003 w_L + 0.0004 w_n - 0.34)",
         lambda e_0, w_L, w_n: 0.37 * (e_0 + 0.003 * w_L + 0.0004 * w_n - 0.34),
@@ -131,7 +131,7 @@ COMPRESSIBILITY = (
         "678 tests of clays and silts of Greece and the United States; ranges are ours",
         "Azzouz, Krizek & Corotis (1976), Soils and Foundations 16(2), 19-29",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cc",
         "0.40 (e_0 - 0.25)",
         lambda e_0: 0.40 * (e_0 - 0.25),
@@ -139,7 +139,7 @@ COMPRESSIBILITY = (
         "clays and silts of Greece and the United States; range is ours",
         "Azzouz, Krizek & Corotis (1976), Soils and Foundations 16(2), 19-29",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cc",
         "0.01 (w_n - 5)",
         lambda w_n: 0.01 * (w_n - 5.0),
@@ -147,7 +147,7 @@ COMPRESSIBILITY = (
         "clays and silts of Greece and the United States; range is ours",
         "Azzouz, Krizek & Corotis (1976), Soils and Foundations 16(2), 19-29",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cc",
         "G_s I_P/200",
         lambda G_s, I_P: G_s * I_P / 200.0,
@@ -155,7 +155,7 @@ COMPRESSIBILITY = (
         "remoulded clays: strength at the plastic limit is a hundred times that at the liquid limit",
         "Wroth & Wood (1978), Can. Geotech. J. 15, 137-145; Wood (1990), section 9.4",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cc",
         "2.303 (1 + e_0) I_P/500",
         lambda e_0, I_P: 2.302585092994046 * (1.0 + e_0) * I_P / 500.0,
@@ -163,7 +163,7 @@ COMPRESSIBILITY = (
         "soft soils; published as lambda* = I_P/500",
         "PLAXIS Material Models Manual, soft soil creep model",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cc",
         "0.046 + 0.0104 I_P",
         lambda I_P: 0.046 + 0.0104 * I_P,
@@ -171,7 +171,7 @@ COMPRESSIBILITY = (
         "clays of I_P below 50 %",
         "Nakase, Kamei & Kusakabe (1988), J. Geotech. Eng. 114, 844-858",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cs",
         "0.000463 w_L G_s",
         lambda w_L, G_s: 0.000463 * w_L * G_s,
@@ -179,7 +179,7 @@ COMPRESSIBILITY = (
         "saturated uncemented clays; ranges are ours",
         "Nagaraj & Srinivasa Murthy (1985), after Bowles (1996), section 2-10",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cs",
         "0.00194 (I_P - 4.6)",
         lambda I_P: 0.00194 * (I_P - 4.6),
@@ -187,7 +187,7 @@ COMPRESSIBILITY = (
         "clays of I_P below 50 %",
         "Nakase, Kamei & Kusakabe (1988), J. Geotech. Eng. 114, 844-858",
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cs",
         "I_P/370",
         lambda I_P: I_P / 370.0,
@@ -196,7 +196,7 @@ COMPRESSIBILITY = (
         "Kulhawy & Mayne (1990), EPRI EL-6800",
     ),
     *(
-        Correlation(
+        PublishedCorrelation(
             "Cα/Cc",
             f"{ratio:g}",
             lambda ratio=ratio: ratio,
@@ -209,7 +209,7 @@ COMPRESSIBILITY = (
         )
         for name, words, ratio in _CLASSES
     ),
-    Correlation(
+    PublishedCorrelation(
         "Cα/(1 + e₀)",
         "0.0001 w_n",
         lambda w_n: 0.0001 * w_n,
@@ -217,7 +217,7 @@ COMPRESSIBILITY = (
         "normally consolidated soils, strain in a decade of time",
         "Mesri (1973), J. Soil Mech. Found. Div. 99, 123-137; NAVFAC DM-7.1 (1982)",
     ),
-    Correlation(
+    PublishedCorrelation(
         "C_k",
         "0.5 e_0",
         lambda e_0: 0.5 * e_0,
@@ -229,7 +229,7 @@ COMPRESSIBILITY = (
 
 
 STRENGTH = (
-    Correlation(
+    PublishedCorrelation(
         "φ",
         "sin φ = 0.8 - 0.094 ln I_P",
         lambda I_P: math.degrees(math.asin(min(0.8 - 0.094 * math.log(I_P), 1.0))),
@@ -238,7 +238,7 @@ STRENGTH = (
         "data of Kenney (1959), line of Mitchell (1976); Kulhawy & Mayne (1990), EPRI EL-6800",
         unit="degree",
     ),
-    Correlation(
+    PublishedCorrelation(
         "K₀",
         "0.44 + 0.0042 I_P",
         lambda I_P: 0.44 + 0.0042 * I_P,
@@ -246,7 +246,7 @@ STRENGTH = (
         "normally consolidated clays",
         "Massarsch (1979), 7th ECSMFE Brighton 2, 245-249",
     ),
-    Correlation(
+    PublishedCorrelation(
         "s_u/σ′v",
         "0.11 + 0.0037 I_P",
         lambda I_P: 0.11 + 0.0037 * I_P,
@@ -261,13 +261,13 @@ _LIMITS = "Herle & Gudehus (1999), Mech. Cohesive-Frict. Materials 4, 461-486"
 _SOURCE = "Brinkgreve, Engin & Engin (2010), 7th NUMGE Trondheim, 137-142"
 
 
-def _of_sand(quantity: str, unit: str, equation: str, of: Callable[[float], float]) -> Correlation:
-    return Correlation(quantity, equation, of, {"D_r": (25.0, 100.0)}, "sand", _SOURCE, unit=unit)
+def _of_sand(quantity: str, unit: str, equation: str, of: Callable[[float], float]) -> PublishedCorrelation:
+    return PublishedCorrelation(quantity, equation, of, {"D_r": (25.0, 100.0)}, "sand", _SOURCE, unit=unit)
 
 
-def _of_voids(quantity: str, equation: str, needs: str, of: Callable[[float], float]) -> Correlation:
+def _of_voids(quantity: str, equation: str, needs: str, of: Callable[[float], float]) -> PublishedCorrelation:
     soils = "sand and gravel without cohesion, at zero pressure"
-    return Correlation(quantity, equation, of, {needs: (0.25, 1.5)}, soils, _LIMITS)
+    return PublishedCorrelation(quantity, equation, of, {needs: (0.25, 1.5)}, soils, _LIMITS)
 
 
 SAND = (
@@ -284,7 +284,7 @@ SAND = (
 )
 
 
-CORRELATIONS: tuple[Correlation, ...] = (*COMPRESSIBILITY, *STRENGTH, *SAND)
+CORRELATIONS: tuple[PublishedCorrelation, ...] = (*COMPRESSIBILITY, *STRENGTH, *SAND)
 
 
 def correlated(soil: IndexProperties) -> tuple[Correlated, ...]:

@@ -16,7 +16,7 @@ from geoswarm.solver.parameter_estimates.compression_curve import first_loading
 from geoswarm.solver.parameter_estimates.index import TestOfLaw
 from geoswarm.solver.parameter_estimates.readings import load_tests
 from geoswarm.solver.parameter_estimates.shear import sheared_specimen
-from geoswarm.solver.parameter_estimates.values import Candidate, NoEvaluationError, straight_line
+from geoswarm.solver.parameter_estimates.values import Estimate, NoEvaluationError, straight_line
 from geoswarm.solver.problem import Problem
 
 __all__ = [
@@ -39,7 +39,7 @@ _USUAL_ANGLE = 33.0
 """Critical friction angle, degree, for the earth pressure at rest, where none is known."""
 
 
-def hardness_of(problem: Problem, known: Mapping[str, float]) -> tuple[tuple[str, Candidate], ...]:
+def hardness_of(problem: Problem, known: Mapping[str, float]) -> tuple[tuple[str, Estimate], ...]:
     """h_s [kPa] and n from first loading of the specimen with the largest void ratio; nothing where it shows none.
 
     The mean stress of an oedometer is that at rest, K0 = 1 - sin(phi_c), with ``phi_c`` [degree] among ``known``. Both
@@ -57,10 +57,10 @@ def hardness_of(problem: Problem, known: Mapping[str, float]) -> tuple[tuple[str
         return ()
     least = min(math.sqrt(3.0 * float(p.max()) * h_s), h_s)
     how = f"{_of(loose.part)}Bauer's law through first loading, e = {_voids(loose):.3g}; Herle & Gudehus (1999)"
-    return ("h_s", Candidate(h_s, (least, h_s), how, True)), ("n", Candidate.read(n, how))
+    return ("h_s", Estimate(h_s, (least, h_s), how, True)), ("n", Estimate.read(n, how))
 
 
-def alphas_of(problem: Problem, known: Mapping[str, float]) -> Iterator[tuple[str, Candidate]]:
+def alphas_of(problem: Problem, known: Mapping[str, float]) -> Iterator[tuple[str, Estimate]]:
     """alpha from the peak of each dense specimen that was sheared drained, its volume read.
 
     ``known`` are the other parameters; nothing where phi_c, h_s, n, e_d0 or e_c0 is missing.
@@ -81,7 +81,7 @@ def alphas_of(problem: Problem, known: Mapping[str, float]) -> Iterator[tuple[st
         density = _density(known, e, (major + 2.0 * minor) / 3.0)
         value = alpha_at_peak(major / minor, known["phi_c"], density) if 0.0 < density < _DENSE else 0.0
         if value > 0.0:
-            yield "alpha", Candidate.read(value, f"{_of(one.part)}peak of q; Herle & Gudehus (1999)")
+            yield "alpha", Estimate.read(value, f"{_of(one.part)}peak of q; Herle & Gudehus (1999)")
 
 
 def alpha_at_peak(ratio: float, phi_c: float, density: float) -> float:
@@ -102,7 +102,7 @@ def alpha_at_peak(ratio: float, phi_c: float, density: float) -> float:
     return -math.log(float(np.linalg.norm(direction))) / math.log(density)
 
 
-def beta_of(problem: Problem, known: Mapping[str, float]) -> tuple[tuple[str, Candidate], ...]:
+def beta_of(problem: Problem, known: Mapping[str, float]) -> tuple[tuple[str, Estimate], ...]:
     """beta from the stiffness of the densest specimen in first loading of an oedometer; nothing without one.
 
     ``known`` are the other parameters; nothing where one of them is missing.
@@ -116,7 +116,7 @@ def beta_of(problem: Problem, known: Mapping[str, float]) -> tuple[tuple[str, Ca
     if not found > 0.0:
         return ()
     how = f"{_of(dense.part)}stiffness in first loading, e = {_voids(dense):.3g}; Herle & Gudehus (1999)"
-    return (("beta", Candidate.read(found, how)),)
+    return (("beta", Estimate.read(found, how)),)
 
 
 def stiffness_exponent(stress: FloatArray, e: FloatArray, known: Mapping[str, float]) -> float:
@@ -220,7 +220,7 @@ _HOW = "largest load of first loading, lambda, kappa and M"
 
 def reference_modulus_of(
     problem: Problem, test: TestOfLaw, known: Mapping[str, float]
-) -> Iterator[tuple[str, Candidate]]:
+) -> Iterator[tuple[str, Estimate]]:
     """E50_ref [kPa] of a drained specimen, E50 (100 kPa/sigma_3)^m; m is in its usual range unless ``known``."""
     usual = next((one.typical for one in test.law.parameters if one.name == "m"), None)
     low, high = (known["m"], known["m"]) if "m" in known else usual or (math.nan, math.nan)
@@ -235,10 +235,10 @@ def reference_modulus_of(
             middle, *ends = (one.modulus * (_REFERENCE / one.radial) ** m for m in (0.5 * (low + high), low, high))
             powers = f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
             how = f"{part.name or 'specimen'}: secant at half the strength, σ′₃ = {one.radial:.4g} kPa, m = {powers}"
-            yield "E50_ref", Candidate(middle, (min(ends), max(ends)), how, True)
+            yield "E50_ref", Estimate(middle, (min(ends), max(ends)), how, True)
 
 
-def normal_volume_of(problem: Problem, test: TestOfLaw, known: Mapping[str, float]) -> Iterator[tuple[str, Candidate]]:
+def normal_volume_of(problem: Problem, test: TestOfLaw, known: Mapping[str, float]) -> Iterator[tuple[str, Estimate]]:
     """N of Cam clay from the largest load of first loading: 1 + e + lambda ln(p_c) - kappa ln(p_c/p), p in kPa.
 
     The state there is on the yield surface, p_c = p (1 + eta^2/M^2), in an oedometer at the law's K0. Nothing where
@@ -250,7 +250,10 @@ def normal_volume_of(problem: Problem, test: TestOfLaw, known: Mapping[str, floa
         read = compression_readings(problem, load_test) if load_test.part == test.part else None
         if read is not None and read.void_ratio is not None:
             logarithm, e = first_loading(read.stress, read.y)
-            yield "N", Candidate.read(_normal_volume(test, known, 10.0 ** float(logarithm[-1]), float(e[-1])), _HOW)
+            yield (
+                "N",
+                Estimate.read(_normal_volume(test, known, 10.0 ** float(logarithm[-1]), float(e[-1])), _HOW),
+            )
 
 
 def _normal_volume(test: TestOfLaw, known: Mapping[str, float], stress: float, e: float) -> float:

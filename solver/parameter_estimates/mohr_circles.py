@@ -10,14 +10,14 @@ import numpy.typing as npt
 
 from geoswarm.solver.parameter_estimates.values import NoEvaluationError
 
-__all__ = ["Strength", "mohr_circles"]
+__all__ = ["FailureLine", "mohr_circles"]
 
 _ALIKE = 0.02
 """Least range of the centres, over their mean, needed for a slope."""
 
 
 @dataclass(frozen=True, slots=True)
-class Strength:
+class FailureLine:
     """Cohesion, kPa, friction angle, degree, and the root mean square of the gaps between circles and line, kPa."""
 
     cohesion: float
@@ -27,7 +27,7 @@ class Strength:
     """Whether the line was laid through the origin."""
 
 
-def mohr_circles(largest: npt.ArrayLike, smallest: npt.ArrayLike) -> Strength:
+def mohr_circles(largest: npt.ArrayLike, smallest: npt.ArrayLike) -> FailureLine:
     """Lay the line ``tau = c + sigma tan(phi)`` along Mohr circles at failure.
 
     With the centre s = (sigma_1 + sigma_3)/2 and the radius t = (sigma_1 - sigma_3)/2, the distance between circle and
@@ -75,4 +75,4 @@ def mohr_circles(largest: npt.ArrayLike, smallest: npt.ArrayLike) -> Strength:
             "angle) is needed"
         )
     gap = math.sqrt(float(np.mean((start + slope * s - t) ** 2)))
-    return Strength(start / math.sqrt(1.0 - slope * slope), math.degrees(math.asin(slope)), gap, through_origin)
+    return FailureLine(start / math.sqrt(1.0 - slope * slope), math.degrees(math.asin(slope)), gap, through_origin)

@@ -35,7 +35,7 @@ from geoswarm.solver.parameter_estimates.law_parameters import (
     normal_volume_of,
     reference_modulus_of,
 )
-from geoswarm.solver.parameter_estimates.values import Candidate, ClassicalValue
+from geoswarm.solver.parameter_estimates.values import ClassicalValue, Estimate
 from geoswarm.solver.parameter_info import ParameterInfo
 from geoswarm.solver.problem import Draft, FreeParameter, LinkedParameter, Problem
 
@@ -118,7 +118,7 @@ class Proposed:
     name: str
     info: ParameterInfo
     section: dict[str, Any]
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[Estimate, ...]
     as_given: bool = False
 
 
@@ -164,11 +164,11 @@ def proposed(problem: Problem) -> tuple[Proposed, ...]:
     return tuple(_proposed(problem, infos[name], found.get(name, ())) for name in (*free, *more) if name in infos)
 
 
-def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
+def candidates_of(problem: Problem) -> dict[str, list[Estimate]]:
     """Estimates of each parameter from readings and index properties, under the names that the problem uses."""
     fixed, soil = fixed_values(problem), soil_of(problem)
     read = [one for one in classical_values(problem) if one.value is not None]
-    found: dict[str, list[Candidate]] = {}
+    found: dict[str, list[Estimate]] = {}
     for test in soils_of(problem.forward_model, problem.model):
         known = term_known(test, test.own(fixed), soil)
         _gather(found, problem, test, [*_read(test, read, known), *_past(test, read)])
@@ -190,7 +190,10 @@ def candidates_of(problem: Problem) -> dict[str, list[Candidate]]:
 
 
 def _gather(
-    found: dict[str, list[Candidate]], problem: Problem, test: TestOfLaw, told: Iterable[tuple[str, Candidate]]
+    found: dict[str, list[Estimate]],
+    problem: Problem,
+    test: TestOfLaw,
+    told: Iterable[tuple[str, Estimate]],
 ) -> None:
     """Put the candidates of a test's parameters under their names, each once."""
     for name, candidate in told:
@@ -199,13 +202,13 @@ def _gather(
             candidates.append(candidate)
 
 
-def of_correlation(one: ParameterEstimate) -> Candidate:
+def of_correlation(one: ParameterEstimate) -> Estimate:
     """An estimate by index properties as a candidate."""
     source = f"{one.quantity}: {one.told.correlation.equation}, {one.told.correlation.authors}"
-    return Candidate(one.value, one.ends or (one.value, one.value), source, False)
+    return Estimate(one.value, one.ends or (one.value, one.value), source, False)
 
 
-def _proposed(problem: Problem, info: ParameterInfo, candidates: Sequence[Candidate]) -> Proposed:
+def _proposed(problem: Problem, info: ParameterInfo, candidates: Sequence[Estimate]) -> Proposed:
     given = problem.parameters.get(info.name)
     usual = usual_section(info)
     if candidates:
@@ -218,7 +221,7 @@ def _proposed(problem: Problem, info: ParameterInfo, candidates: Sequence[Candid
 
 def _read(
     test: TestOfLaw, read: Sequence[ClassicalValue], known: Mapping[str, float]
-) -> Iterator[tuple[str, Candidate]]:
+) -> Iterator[tuple[str, Estimate]]:
     """What was read of a test, or of all tests together, by the terms of its law."""
     for one in read:
         if one.part not in ("", test.part) or one.value is None or not one.value > 0.0:
@@ -226,7 +229,7 @@ def _read(
         method = f"{one.method}{'' if one.stage is None else f', stage {one.stage}'}"
         source = f"{one.part}: {method}" if one.part else method
         if one.symbol in ("k", "C_k") and one.symbol in test.parameters:
-            yield one.symbol, Candidate.read(one.value, source)
+            yield one.symbol, Estimate.read(one.value, source)
         symbol, value = one.symbol, one.value
         if symbol.endswith("/(1 + e₀)"):
             symbol = symbol.removesuffix("/(1 + e₀)")
@@ -238,16 +241,16 @@ def _read(
             if term.quantity != symbol or (term.voids and "e_0" not in around) or (strains and not term.voids):
                 continue
             found = term.back(value, around)
-            yield term.parameter, Candidate.read(found, source)
+            yield term.parameter, Estimate.read(found, source)
 
 
-def _gather_sand(found: dict[str, list[Candidate]], problem: Problem, test: TestOfLaw) -> None:
+def _gather_sand(found: dict[str, list[Estimate]], problem: Problem, test: TestOfLaw) -> None:
     """Put what is read of hypoplastic sand under its names, each with what was read before: h_s and n, alpha, beta."""
     for evaluate in (hardness_of, alphas_of, beta_of):
         _gather(found, problem, test, evaluate(problem, _known(problem, test, found)))
 
 
-def _known(problem: Problem, test: TestOfLaw, found: Mapping[str, Sequence[Candidate]]) -> dict[str, float]:
+def _known(problem: Problem, test: TestOfLaw, found: Mapping[str, Sequence[Estimate]]) -> dict[str, float]:
     """Parameters of a test as far as they are fixed, have candidates, or follow from such."""
     values: dict[str, float] = {}
     for name in test.parameters:
@@ -259,7 +262,7 @@ def _known(problem: Problem, test: TestOfLaw, found: Mapping[str, Sequence[Candi
     return values | {p.name: float(p.expression.value(values)) for p in linked if p.expression.names <= values.keys()}
 
 
-def _past(test: TestOfLaw, read: Sequence[ClassicalValue]) -> Iterator[tuple[str, Candidate]]:
+def _past(test: TestOfLaw, read: Sequence[ClassicalValue]) -> Iterator[tuple[str, Estimate]]:
     """OCR and POP of an oedometer test."""
     spec = test.spec
     initial = getattr(spec, "initial_stress", None)
@@ -271,10 +274,10 @@ def _past(test: TestOfLaw, read: Sequence[ClassicalValue]) -> Iterator[tuple[str
             continue
         for name, value in (("OCR", one.value / initial), ("POP", one.value - initial)):
             if name in test.parameters:
-                yield name, Candidate.read(value, f"σ′p, {one.method}")
+                yield name, Estimate.read(value, f"σ′p, {one.method}")
 
 
-def _section(info: ParameterInfo, candidates: Sequence[Candidate]) -> dict[str, Any]:
+def _section(info: ParameterInfo, candidates: Sequence[Estimate]) -> dict[str, Any]:
     """Bounds, scale and estimate of a parameter."""
     lowest, highest = min(one.ends[0] for one in candidates), max(one.ends[1] for one in candidates)
     read = [one.value for one in candidates if one.reading]
@@ -339,7 +342,7 @@ def estimates_of_draft(draft: Draft) -> tuple[DraftEstimate, ...]:
     )
 
 
-def _of_index(draft: Draft) -> dict[str, list[Candidate]]:
+def _of_index(draft: Draft) -> dict[str, list[Estimate]]:
     """Of the index properties alone, as far as these are sound."""
     document = draft.document or {}
     if draft.model is None or draft.spec is None:
@@ -357,7 +360,7 @@ def _of_index(draft: Draft) -> dict[str, list[Candidate]]:
         for name, section in given.items()
         if isinstance(section, dict) and isinstance(section.get("value"), int | float)
     }
-    found: dict[str, list[Candidate]] = {}
+    found: dict[str, list[Estimate]] = {}
     for test, known in with_index(draft.spec, draft.model, soil):
         for one in index_estimates(test, test.own(fixed), known):
             candidates = found.setdefault(name_among(given, test, one.parameter), [])

@@ -12,13 +12,13 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.combined import ModelPart
 from geoswarm.solver.laboratory.shear.simple_shear import DirectSimpleShearSpec, SimpleShearMonotonic
 from geoswarm.solver.laboratory.shear.triaxial import TriaxialMonotonic, TriaxialSpec
-from geoswarm.solver.parameter_estimates.mohr_circles import Strength, mohr_circles
+from geoswarm.solver.parameter_estimates.mohr_circles import FailureLine, mohr_circles
 from geoswarm.solver.parameter_estimates.readings import first_of, observed, rising
 from geoswarm.solver.parameter_estimates.values import (
     Arc,
     ClassicalValue,
     Construction,
-    Line,
+    DrawnLine,
     NoEvaluationError,
     straight_line,
 )
@@ -228,12 +228,12 @@ def triaxial_construction(specimens: Sequence[Sheared]) -> Construction | None:
         "kPa",
         empty,
         empty,
-        (Line(label, x, tau, "main"),),
+        (DrawnLine(label, x, tau, "main"),),
         arcs=tuple(Arc(one.failure[1], one.failure[0]) for one in specimens),
     )
 
 
-def _circles(specimens: Sequence[Sheared]) -> Strength:
+def _circles(specimens: Sequence[Sheared]) -> FailureLine:
     return mohr_circles([one.failure[0] for one in specimens], [one.failure[1] for one in specimens])
 
 

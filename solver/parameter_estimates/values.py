@@ -8,7 +8,16 @@ from typing import Literal, TypeAlias
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import SolverError
 
-__all__ = ["Arc", "Candidate", "ClassicalValue", "Construction", "Line", "Mark", "NoEvaluationError", "straight_line"]
+__all__ = [
+    "Arc",
+    "ClassicalValue",
+    "Construction",
+    "DrawnLine",
+    "DrawnPoint",
+    "Estimate",
+    "NoEvaluationError",
+    "straight_line",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +53,7 @@ class ClassicalValue:
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class Estimate:
     """A value that a parameter may have: ``source`` is a method or a correlation, ``reading`` whether it was read.
 
     ``ends``: less and plus the published scatter; both the value where none is published.
@@ -56,7 +65,7 @@ class Candidate:
     reading: bool
 
     @classmethod
-    def read(cls, value: float, source: str) -> Candidate:
+    def read(cls, value: float, source: str) -> Estimate:
         """One of the readings, without scatter."""
         return cls(value, (value, value), source, True)
 
@@ -87,7 +96,7 @@ Role: TypeAlias = Literal["main", "helper"]
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class DrawnLine:
     """A line of a construction, through points (n,); ``helper`` lines are thin."""
 
     label: str
@@ -97,7 +106,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class DrawnPoint:
     """A point with what it says."""
 
     label: str
@@ -149,8 +158,8 @@ class Construction:
     y_unit: str
     x: FloatArray
     y: FloatArray
-    lines: tuple[Line, ...]
-    marks: tuple[Mark, ...] = ()
+    lines: tuple[DrawnLine, ...]
+    marks: tuple[DrawnPoint, ...] = ()
     arcs: tuple[Arc, ...] = ()
     joined: bool = False
     log: bool = False
