@@ -4,13 +4,10 @@
 ``_async``          :class:`AsyncClient`, the source
 ``_sync``           :class:`Client`, generated from it by ``scripts/generate_client.py``
 ``calls``           how requests are put together and answers are read, without any input or output
-``models``          frozen records that only the client has; those with arrays in ``points``, ``bodies``, those for
-                    administrators in ``administration``; all others in :mod:`geoswarm.records`
+``models``          frozen records that only the client has, some with arrays; all others are in :mod:`geoswarm.records`
 ``errors``          the tree of errors
 ``follow``          when to reconnect to an event stream, when to give up
 ``sse``             reads an event stream
-``administration``  records of operations, for administrators, and of the caller
-``bodies``          records of bodies: the mesh of an evaluation, what was measured on it, and how it moves
 ``points``          evaluations of a job as arrays, from the block of float32 that plots use
 ``files``           files that appear only when they are complete
 ==================  ===============================================================================================

@@ -12,7 +12,6 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import ForwardError
-from geoswarm.solver.forward.continuum.fields import body_of, displacement_fields
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runner.wire import Outcome
 from geoswarm.solver.warm import run_sample
@@ -175,8 +174,6 @@ def evaluate(calibration: Calibration, position: FloatArray, fields: str | None)
     """Evaluate a position here and now: its responses, or the displacement fields of a part."""
     if fields is None:
         return calibration.evaluate(position)
-    from geoswarm.solver.runner.evaluator import evaluate_fields  # finite elements are loaded where they are needed
-
     return evaluate_fields(calibration, position, fields)
 
 
@@ -199,6 +196,8 @@ def evaluate_fields(calibration: Calibration, parameters: FloatArray, part: str)
     Evaluation
         Its responses are the displacements at the end of each phase, flattened to (2 n,), m; no objective.
     """
+    from geoswarm.solver.forward.continuum.fields import body_of, displacement_fields  # with finite elements
+
     began = time.perf_counter()
     found = body_of(calibration.problem.model, part, calibration.problem.values(parameters.tolist()))
     try:
