@@ -1,4 +1,4 @@
-"""Soft soil creep as a law: the physics is in :mod:`geoswarm.solver.constitutive.soft_soil_creep.physics`."""
+"""The soft soil creep model as a law, and the soft soil model: the same kernels without creep."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from geoswarm.solver.constitutive.soft_soil_creep.physics import (
     Formulation,
     SoftSoilCreep,
     friction_constant,
+    soft_soil,
     soft_soil_creep,
 )
 from geoswarm.solver.constitutive.soft_soil_creep.step import soft_soil_step
@@ -35,7 +36,15 @@ from geoswarm.solver.laws.usual_parameters import (
 )
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["PARAMETERS", "SOFT_SOIL_TERMS", "SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
+__all__ = [
+    "PARAMETERS",
+    "SOFT_SOIL_TERMS",
+    "SoftSoilCreepLaw",
+    "SoftSoilLaw",
+    "creep_constants",
+    "creep_soil",
+    "equivalent_pressures",
+]
 
 _OCR, _POP = 16, 17
 """Where the constants hold the initial preconsolidation, after those of the kernels."""
@@ -281,3 +290,38 @@ def equivalent_pressures(stress: FloatArray, soil: SoftSoilCreep) -> FloatArray:
     x = np.maximum(p + soil.shift, soil.pressure_floor)
     pressure: FloatArray = x + q2 / (soil.M**2 * (x + soil.extra))
     return pressure
+
+
+class SoftSoilLaw(SoftSoilCreepLaw):
+    """Soft soil (Brinkgreve 1994; Vermeer & Neher 1999 without creep); constants as of soft soil creep with mu* = 0."""
+
+    kind: ClassVar[str] = "soft_soil"
+    title: ClassVar[str] = "soft soil"
+    parameters: ClassVar[tuple[ParameterInfo, ...]] = tuple(info for info in PARAMETERS if info.name != "mu_star")
+    terms: ClassVar[tuple[Term, ...]] = SOFT_SOIL_TERMS
+
+    def kernel_constants(
+        self, given: Mapping[str, float], formulation: Formulation, tension_cutoff: float | None
+    ) -> SoftSoilCreep:
+        """Constants of the kernels from parameters by name; raises as :meth:`constants`."""
+        return soft_soil(
+            given["lambda_star"],
+            given["kappa_star"],
+            given["c"],
+            given["phi"],
+            given.get("psi", 0.0),
+            given.get("nu_ur", 0.15),
+            given.get("K0nc") or None,
+            given.get("M") or None,
+            formulation=formulation,
+            tension_cutoff=tension_cutoff,
+        )
+
+    @property
+    def depends_on_time(self) -> bool:
+        """Time has no effect."""
+        return False
+
+    def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> None:
+        """Time has no effect."""
+        del stress, state, constants

@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.mohr_coulomb.general import general_mohr_coulomb
-from geoswarm.solver.constitutive.mohr_coulomb.planar import planar_mohr_coulomb
+from geoswarm.solver.constitutive.mohr_coulomb.step import general_mohr_coulomb, planar_mohr_coulomb
 from geoswarm.solver.laws.base import Law, Setting, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.elastic import MODULI, YOUNG, moduli_contradiction, moduli_incomplete, young_of

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.fem.mesh.mesh import Mesh
-from geoswarm.solver.fem.mesh.quadratic import boundary_edges
+from geoswarm.solver.fem.mesh.mesh import Mesh, boundary_edges
 from geoswarm.solver.report.figures.style import BLUE, GREEN, GRID, INK, MUTED, ORANGE, drawing
 
 if TYPE_CHECKING:

@@ -1,8 +1,9 @@
-"""Linear elasticity with the Mohr-Coulomb limit in a plane: one step of stress with its consistent tangent.
+"""Linear elasticity with the Mohr-Coulomb limit: one step of stress with its consistent tangent.
 
-Components xx, yy, zz, xy, compression positive; z is a principal axis (plane strain, axisymmetry). The elastic trial
-stress is returned to the limit on its own principal axes, exactly: planes, edges, apex and tension cut-off are the
-active sets of :mod:`geoswarm.solver.constitutive.mohr_coulomb.limit`.
+Compression positive. In a plane the components are xx, yy, zz, xy, and z is a principal axis (plane strain,
+axisymmetry); yz and zx follow for a general stress. The elastic trial stress is returned to the limit on its own
+principal axes, exactly: planes, edges, apex and tension cut-off are the active sets of
+:mod:`geoswarm.solver.constitutive.mohr_coulomb.limit`.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.mohr_coulomb.limit import ACTIVE_SETS, PLANES, principal_planes
-from geoswarm.solver.constitutive.tensors import solve_dense
+from geoswarm.solver.constitutive.principal_return import elastic_trial, turned_back
+from geoswarm.solver.constitutive.tensors import principal_axes, solve_dense
 from geoswarm.solver.kernels.jit import inlined, kernel
 
-__all__ = ["planar_mohr_coulomb", "return_to_limit"]
+__all__ = ["general_mohr_coulomb", "planar_mohr_coulomb", "return_to_limit"]
 
 _EXCESS: Final = 1.0e-9
 
@@ -193,4 +195,32 @@ def planar_mohr_coulomb(
                     for m in range(4):
                         total += Q[i, k] * local[k, m] * Q[j, m]
             tangent[i, j] = total
+    return 1
+
+
+@inlined
+def general_mohr_coulomb(
+    stress: FloatArray,
+    strain_increment: FloatArray,
+    bulk: float,
+    shear: float,
+    cohesion: float,
+    sin_phi: float,
+    cos_phi: float,
+    sin_psi: float,
+    tension: float,
+    new: FloatArray,
+    tangent: FloatArray,
+) -> int:
+    """One step of stress; arguments and result as of the planar one, shapes (6,) and (6, 6)."""
+    elastic_trial(stress, strain_increment, bulk, shear, new, tangent)
+    values, axes = principal_axes(new)
+    excess = values[0] * (1.0 - sin_phi) - values[2] * (1.0 + sin_phi) - 2.0 * cohesion * cos_phi
+    size = max(abs(values[0]), abs(values[2])) + cohesion
+    if excess <= 1.0e-12 * size and -values[2] <= tension + 1.0e-12 * size:
+        return 0
+    returned, D = np.empty(3), np.empty((3, 3))
+    if not return_to_limit(values, bulk, shear, cohesion, sin_phi, cos_phi, sin_psi, tension, returned, D):
+        return -1
+    turned_back(values, returned, D, axes, shear, size, new, tangent)
     return 1

@@ -1,4 +1,4 @@
-"""Linear elasticity up to the cone of Drucker and Prager, perfectly plastic, as a law."""
+"""Linear elasticity up to the cones of Drucker and Prager, and of Matsuoka and Nakai, perfectly plastic, as laws."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.smooth_cone import (
     COMPRESSION,
     EXTENSION,
+    MATSUOKA_NAKAI,
     PLANE_STRAIN,
     cone_excess,
     cone_of,
@@ -23,7 +24,7 @@ from geoswarm.solver.laws.base import Setting, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF, MohrCoulomb
 
-__all__ = ["DruckerPrager", "SmoothCone"]
+__all__ = ["DruckerPrager", "MatsuokaNakai", "SmoothCone"]
 
 _SHAPES = {"compression": COMPRESSION, "extension": EXTENSION, "plane_strain": PLANE_STRAIN}
 _NOTICED = 1.0e-9
@@ -93,3 +94,19 @@ class DruckerPrager(SmoothCone):
     def cone_kind(self, given: Mapping[str, Any]) -> int:
         """By the setting ``match``."""
         return _SHAPES[given["match"]]
+
+
+class MatsuokaNakai(SmoothCone):
+    """Matsuoka-Nakai (Matsuoka & Nakai 1974), with dilatancy and tension cut-off.
+
+    It holds the limit of Mohr-Coulomb within, and meets it in triaxial compression and extension; so a strength that
+    is enough for Mohr-Coulomb is enough here.
+    """
+
+    kind: ClassVar[str] = "matsuoka_nakai"
+    title: ClassVar[str] = "elasticity with the strength of Matsuoka and Nakai"
+
+    def cone_kind(self, given: Mapping[str, Any]) -> int:
+        """That of Matsuoka and Nakai."""
+        del given
+        return MATSUOKA_NAKAI
