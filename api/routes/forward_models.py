@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from geoswarm.api.dependencies import problems_of
 from geoswarm.api.errors import DetailError
-from geoswarm.api.schemas.jobs import ForwardModelList
+from geoswarm.api.schemas.responses import ForwardModelList
 from geoswarm.api.views import record_of
 from geoswarm.records.problem import ForwardModelDetail, ForwardModelSummary, Parameter, Series
 from geoswarm.solver.errors import BrokenForwardModelError, ExpressionError, ProblemError, UnknownForwardModelError

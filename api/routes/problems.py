@@ -16,7 +16,7 @@ from geoswarm.api.drafts import describe_draft, find_examples
 from geoswarm.api.errors import DetailError
 from geoswarm.api.routes.jobs import PROBLEM_BODY
 from geoswarm.api.schemas.drafts import Example, ExampleList, ExampleSummary, FilesOfTests, ProblemDraft, ProblemOfTests
-from geoswarm.api.schemas.jobs import WarmStarts
+from geoswarm.api.schemas.responses import WarmStarts
 from geoswarm.api.views import read_record
 from geoswarm.records.problem import CheckResult
 from geoswarm.solver.errors import ProblemError

@@ -6,7 +6,7 @@ import anyio.to_thread
 from fastapi import APIRouter, Request, Response
 
 from geoswarm.api.dependencies import Service, limiter, problems_of
-from geoswarm.api.schemas.jobs import Liveness, WorkerList
+from geoswarm.api.schemas.responses import Liveness, WorkerList
 from geoswarm.records.service import Health
 
 __all__ = ["health_router", "workers_router"]

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from pydantic import Base64Bytes, BaseModel, Field
 
 from geoswarm.api.errors import KeyWords
-from geoswarm.api.schemas.jobs import Model, Number
+from geoswarm.api.schemas.responses import Model, Number
 from geoswarm.records.problem import Parameter, Series
 
 __all__ = [

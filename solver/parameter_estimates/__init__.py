@@ -6,7 +6,7 @@
 ``consolidation_curve``  c_v by the root and the logarithm of time, and C_alpha of a curve
 ``mohr_circles``         cohesion and friction angle from stresses at failure
 ``correlations``         published correlations of index properties
-``readings``             curves of a test, and strain at the ends of its stages
+``observed_curves``      curves of a test, and strain at the ends of its stages
 ``compression``          Cc, Cs and preconsolidation stress of tests with loads in stages
 ``consolidation``        c_v and C_alpha of single stages
 ``constant_rate``        compression curve, c_v and k of a test at constant rate of strain

@@ -20,7 +20,7 @@ from geoswarm.solver.parameter_estimates.compression import (
 )
 from geoswarm.solver.parameter_estimates.consolidation import stage_constructions, stage_readings, stage_values
 from geoswarm.solver.parameter_estimates.constant_rate import rate_compression, rate_values
-from geoswarm.solver.parameter_estimates.readings import load_tests
+from geoswarm.solver.parameter_estimates.observed_curves import load_tests
 from geoswarm.solver.parameter_estimates.shear import (
     Sheared,
     sheared_specimen,

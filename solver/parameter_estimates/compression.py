@@ -20,7 +20,7 @@ from geoswarm.solver.parameter_estimates.compression_curve import (
     swelling_index,
     virgin_line,
 )
-from geoswarm.solver.parameter_estimates.readings import LoadTest, measured_strain, observed, rising
+from geoswarm.solver.parameter_estimates.observed_curves import LoadTest, measured_strain, observed, rising
 from geoswarm.solver.parameter_estimates.values import (
     ClassicalValue,
     Construction,

@@ -10,7 +10,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.parameter_estimates.consolidation_curve import Consolidation, log_time, root_time
-from geoswarm.solver.parameter_estimates.readings import LoadTest, observed
+from geoswarm.solver.parameter_estimates.observed_curves import LoadTest, observed
 from geoswarm.solver.parameter_estimates.values import (
     ClassicalValue,
     Construction,

@@ -12,7 +12,7 @@ from geoswarm.solver.arrays import BoolArray, FloatArray
 from geoswarm.solver.forward.combined import ModelPart
 from geoswarm.solver.laboratory.flow.crs import CrsMovement, CrsOedometerSpec
 from geoswarm.solver.parameter_estimates.compression import CompressionReadings, height_of
-from geoswarm.solver.parameter_estimates.readings import observed, rising
+from geoswarm.solver.parameter_estimates.observed_curves import observed, rising
 from geoswarm.solver.parameter_estimates.values import ClassicalValue, NoEvaluationError, straight_line
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.units import WATER

@@ -14,7 +14,7 @@ from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
 from geoswarm.solver.parameter_estimates.compression import CompressionReadings, compression_readings
 from geoswarm.solver.parameter_estimates.compression_curve import first_loading
 from geoswarm.solver.parameter_estimates.index import TestOfLaw
-from geoswarm.solver.parameter_estimates.readings import load_tests
+from geoswarm.solver.parameter_estimates.observed_curves import load_tests
 from geoswarm.solver.parameter_estimates.shear import sheared_specimen
 from geoswarm.solver.parameter_estimates.values import Estimate, NoEvaluationError, straight_line
 from geoswarm.solver.problem import Problem

@@ -13,7 +13,7 @@ from geoswarm.solver.forward.combined import ModelPart
 from geoswarm.solver.laboratory.shear.simple_shear import DirectSimpleShearSpec, SimpleShearMonotonic
 from geoswarm.solver.laboratory.shear.triaxial import TriaxialMonotonic, TriaxialSpec
 from geoswarm.solver.parameter_estimates.mohr_circles import FailureLine, mohr_circles
-from geoswarm.solver.parameter_estimates.readings import first_of, observed, rising
+from geoswarm.solver.parameter_estimates.observed_curves import first_of, observed, rising
 from geoswarm.solver.parameter_estimates.values import (
     Arc,
     ClassicalValue,

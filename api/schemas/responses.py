@@ -1,4 +1,4 @@
-"""Models of every response, in the words of the project; units: day, m, kPa, degree, seconds where named so.
+"""Lists and small answers of the routes; larger ones are records (:mod:`geoswarm.records`).
 
 Timestamps are ISO 8601 in UTC. Numbers that are not finite are null: JSON knows no NaN.
 """
