@@ -35,7 +35,7 @@ class PublishedCorrelation:
     scatter
         Published scatter: relative where ``relative``, else in the unit of the quantity; None: none is published.
     classes
-        Classes of soil that it is for; empty: any, and those not told.
+        Classes of soil that it is for; empty: any, and those not given.
     """
 
     quantity: str
@@ -62,7 +62,7 @@ class PublishedCorrelation:
         found = re.match(r".*?\(\d{4}\)", self.source)
         return found[0] if found else self.source.partition(",")[0]
 
-    def told(self, soil: IndexProperties) -> Correlated | None:
+    def applied_to(self, soil: IndexProperties) -> Correlated | None:
         """What it says about a soil; None where a property is missing, or the class is another."""
         given = [soil.value(name) for name in self.valid]
         values = [value for value in given if value is not None]
@@ -289,4 +289,4 @@ CORRELATIONS: tuple[PublishedCorrelation, ...] = (*COMPRESSIBILITY, *STRENGTH, *
 
 def correlated(soil: IndexProperties) -> tuple[Correlated, ...]:
     """What all correlations that its properties allow say about a soil."""
-    return tuple(told for one in CORRELATIONS if (told := one.told(soil)) is not None)
+    return tuple(found for one in CORRELATIONS if (found := one.applied_to(soil)) is not None)

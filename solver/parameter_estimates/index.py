@@ -78,7 +78,7 @@ class ParameterEstimate:
         In its unit.
     ends
         The same with the published scatter of the correlation, in rising order; None: none is published.
-    told
+    correlated
         The correlation with its own value.
     quantity, quantity_value
         What was translated: Cα where the correlation gives Cα/Cc.
@@ -89,7 +89,7 @@ class ParameterEstimate:
     unit: str
     value: float
     ends: tuple[float, float] | None
-    told: Correlated
+    correlated: Correlated
     quantity: str
     quantity_value: float
 
@@ -161,26 +161,16 @@ def index_estimates(
     known = term_known(test, values, soil)
     infos = {info.name: info for info in test.law.parameters}
     found = []
-    for told, quantity, value, ends in _quantities(soil, known):
+    for one, quantity, value, ends in _quantities(soil, known):
         if quantity in _OWN and quantity in test.parameters:
-            found.append(ParameterEstimate(quantity, quantity, "", value, ends, told, quantity, value))
+            found.append(ParameterEstimate(quantity, quantity, "", value, ends, one, quantity, value))
         for term in test.law.terms:
             if not _same(term, quantity) or (term.voids and "e_0" not in known):
                 continue
             info = infos[term.parameter]
-            both = None if ends is None else sorted(term.back(end, known) for end in ends)
-            found.append(
-                ParameterEstimate(
-                    term.parameter,
-                    info.symbol,
-                    info.unit,
-                    term.back(value, known),
-                    None if both is None else (both[0], both[1]),
-                    told,
-                    quantity,
-                    value,
-                )
-            )
+            back = [term.back(end, known) for end in ends or ()]
+            own = info.symbol, info.unit, term.back(value, known), (min(back), max(back)) if back else None
+            found.append(ParameterEstimate(term.parameter, *own, one, quantity, value))
     return tuple(found)
 
 
@@ -217,7 +207,7 @@ def estimates_of(problem: Problem) -> tuple[ParameterEstimate, ...]:
     for test, known in with_index(problem.forward_model, problem.model, soil):
         for one in index_estimates(test, test.own(fixed), known):
             name = full_name(problem, test, one.parameter)
-            found.setdefault((name, one.told.correlation.equation), replace(one, parameter=name))
+            found.setdefault((name, one.correlated.correlation.equation), replace(one, parameter=name))
     return tuple(found.values())
 
 
@@ -252,10 +242,10 @@ def index_document(estimates: Iterable[ParameterEstimate]) -> list[dict[str, Any
             "ends": one.ends,
             "quantity": one.quantity,
             "quantity_value": one.quantity_value,
-            "equation": one.told.correlation.equation,
-            "soils": one.told.correlation.soils,
-            "source": one.told.correlation.source,
-            "outside": one.told.outside,
+            "equation": one.correlated.correlation.equation,
+            "soils": one.correlated.correlation.soils,
+            "source": one.correlated.correlation.source,
+            "outside": one.correlated.outside,
         }
         for one in estimates
     ]

@@ -174,7 +174,9 @@ def candidates_of(problem: Problem) -> dict[str, list[Estimate]]:
         _gather(found, problem, test, [*_read(test, read, known), *_past(test, read)])
     for test, known_index in with_index(problem.forward_model, problem.model, soil):
         told = index_estimates(test, test.own(fixed), known_index)
-        _gather(found, problem, test, [(one.parameter, of_correlation(one)) for one in told if not one.told.outside])
+        _gather(
+            found, problem, test, [(one.parameter, of_correlation(one)) for one in told if not one.correlated.outside]
+        )
     without: list[TestOfLaw] = []
     for test in soils_of(problem.forward_model, problem.model):
         if "h_s" in test.parameters:
@@ -204,7 +206,7 @@ def _gather(
 
 def of_correlation(one: ParameterEstimate) -> Estimate:
     """An estimate by index properties as a candidate."""
-    source = f"{one.quantity}: {one.told.correlation.equation}, {one.told.correlation.authors}"
+    source = f"{one.quantity}: {one.correlated.correlation.equation}, {one.correlated.correlation.authors}"
     return Estimate(one.value, one.ends or (one.value, one.value), source, False)
 
 
@@ -365,6 +367,6 @@ def _of_index(draft: Draft) -> dict[str, list[Estimate]]:
         for one in index_estimates(test, test.own(fixed), known):
             candidates = found.setdefault(name_among(given, test, one.parameter), [])
             candidate = of_correlation(one)
-            if not one.told.outside and candidate not in candidates:
+            if not one.correlated.outside and candidate not in candidates:
                 candidates.append(candidate)
     return found

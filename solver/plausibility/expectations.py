@@ -34,7 +34,7 @@ def unexpected_bounds(problem: Problem) -> Iterator[Sentence]:
 
     by_name: dict[str, list[ParameterEstimate]] = {}
     for one in estimates_of(problem):
-        if not one.told.outside:
+        if not one.correlated.outside:
             by_name.setdefault(one.parameter, []).append(one)
     for name, estimates in by_name.items():
         parameter = problem.parameters.get(name)
@@ -49,7 +49,7 @@ def _sentence(name: str, parameter: FreeParameter, estimates: list[ParameterEsti
         return
     end, bound = ("upper", parameter.upper) if low > parameter.upper else ("lower", parameter.lower)
     expected = f"{float(f'{low:.2g}'):g} to {with_unit(float(f'{high:.2g}'), estimates[0].unit)}"
-    sources = "; ".join(dict.fromkeys(one.told.correlation.authors for one in estimates))
+    sources = "; ".join(dict.fromkeys(one.correlated.correlation.authors for one in estimates))
     path = f"parameters.{name}.{end}"
     yield (
         Key(path, path),

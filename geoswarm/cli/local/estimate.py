@@ -87,8 +87,8 @@ def _show_index(index: Sequence[ParameterEstimate]) -> None:
         return
     rows = []
     for one in index:
-        told = one.told.correlation
-        outside = f" (beyond its range: {one.told.outside})" if one.told.outside else ""
+        told = one.correlated.correlation
+        outside = f" (beyond its range: {one.correlated.outside})" if one.correlated.outside else ""
         ends = "" if one.ends is None else f"{number(one.ends[0], 3)} to {number(one.ends[1], 3)}"
         quantity = f"{one.quantity} = {number(one.quantity_value, 3)}"
         rows.append((one.parameter, number(one.value, 3), ends, quantity, told.equation, f"{told.source}{outside}"))

@@ -41,7 +41,7 @@ PROPERTIES = {"plasticity_index": 40.0, "void_ratio": 1.5, "soil_class": "organi
 
 
 def by_equation(one: Problem) -> dict[tuple[str, str], float]:
-    return {(e.parameter, e.told.correlation.equation): e.value for e in estimates_of(one)}
+    return {(e.parameter, e.correlated.correlation.equation): e.value for e in estimates_of(one)}
 
 
 def test_soft_soil_takes_lambda_star_as_it_is_published() -> None:
