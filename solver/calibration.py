@@ -10,7 +10,8 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, message_of
-from geoswarm.solver.objective import ForwardOutcome, LeastSquares, ObservedSeries, outcome_of
+from geoswarm.solver.objective import LeastSquares, ObservedSeries
+from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.search.runs import Runs

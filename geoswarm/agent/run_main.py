@@ -20,7 +20,8 @@ from geoswarm.solver.errors import in_words
 from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun
 from geoswarm.solver.forward.formula import FormulaModel
 from geoswarm.solver.forward.registry import built, parse_spec
-from geoswarm.solver.objective import ForwardOutcome, LeastSquares, ObservedSeries, outcome_of
+from geoswarm.solver.objective import LeastSquares, ObservedSeries
+from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
 from geoswarm.solver.system.activity import listen
 from geoswarm.solver.system.processes import adopt_orphans, child_program, die_with_parent, go_first_without_memory
 from geoswarm.solver.warm import compile_for

@@ -10,7 +10,7 @@ import numpy as np
 
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import ForwardError, message_of
-from geoswarm.solver.objective import ForwardOutcome
+from geoswarm.solver.objective.outcome import ForwardOutcome
 
 __all__ = ["Announcement", "BroughtRun", "Grant", "Run", "Terms", "Wanted", "evaluation_of"]
 

@@ -3,28 +3,25 @@
     f(x) = sum_g w_g f'_g(x)                                                (1)
     f'_g(x) = (1/m) sum_h w_h (y_calc[h, g](x) - y_meas[h, g])^2            (2)
 
-The residual y_calc - y_meas may be a distance from the calculated curve, and a series with a robust loss has
-c^2 rho(w_h r^2 / c^2) for its square (:mod:`geoswarm.solver.residuals`).
+The residual y_calc - y_meas may be a distance from the calculated curve (:mod:`geoswarm.solver.residuals`). A series
+with a robust loss has c^2 rho(w_h r^2 / c^2) for its square.
 
 Always minimised. Source: Meier et al. (2008), equations (1) and (2).
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.errors import BadOutputError, ForwardError, NotFiniteError, in_words, message_of
-from geoswarm.solver.forward.base import ForwardRun, NotedResponse
+from geoswarm.solver.errors import BadOutputError, NotFiniteError
 from geoswarm.solver.residuals import CurveScale, Loss, residuals_of
-from geoswarm.solver.system.activity import counting
 
-__all__ = ["ForwardOutcome", "LEAST_SLOPE", "LeastSquares", "ObservedSeries", "PseudoReadings", "outcome_of"]
+__all__ = ["LEAST_SLOPE", "LeastSquares", "ObservedSeries", "PseudoReadings"]
 
 LEAST_SLOPE = 0.05
 """Smallest mean slope of psi: below it nearly all readings lie beyond the scale, and no linearisation holds."""
@@ -245,55 +242,3 @@ def _z(observed: ObservedSeries, responses: Mapping[str, FloatArray]) -> FloatAr
     assert observed.loss is not None
     residuals = observed.residuals(responses[observed.series])
     return np.asarray(np.sqrt(observed.point_weights) * (residuals / observed.loss.scale))
-
-
-@dataclass(frozen=True, slots=True)
-class ForwardOutcome:
-    """What a forward calculation gave; it failed when ``reason`` is not None.
-
-    Parameters
-    ----------
-    responses
-        Calculated values of each series at its points, shape (m_g,), base units; empty when it failed.
-    reason, message
-        Kind of failure and what happened; of a success a note, or None.
-    seconds
-        Wall time of the calculation without what it waited [s].
-    """
-
-    responses: dict[str, FloatArray]
-    reason: str | None
-    message: str | None
-    seconds: float
-
-
-def outcome_of(
-    run: ForwardRun,
-    values: Mapping[str, float],
-    checked: Callable[[Mapping[str, npt.ArrayLike]], dict[str, FloatArray]],
-) -> ForwardOutcome:
-    """Run a forward calculation; never raises for one that fails.
-
-    Parameters
-    ----------
-    values
-        All parameters by name.
-    checked
-        Returns the response in arrays of its own, or raises ForwardError for what is not a response.
-    """
-    began = time.perf_counter()
-    with counting() as waited:
-        try:
-            with np.errstate(all="ignore"):
-                found = run(values)
-            seconds = time.perf_counter() - began - waited.seconds
-            responses = checked(found)
-        except ForwardError as error:
-            reason, message = error.reason, message_of(error)
-        except MemoryError:
-            reason, message = "killed_memory", "the forward model ran out of memory"
-        except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
-            reason, message = "bad_output", f"the forward model raised {in_words(error)}"
-        else:
-            return ForwardOutcome(responses, None, found.note if isinstance(found, NotedResponse) else None, seconds)
-    return ForwardOutcome({}, reason, message, time.perf_counter() - began - waited.seconds)

@@ -1,0 +1,69 @@
+"""One forward calculation to its end: its responses, or why there are none. Nothing is said of measurements here."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.errors import ForwardError, in_words, message_of
+from geoswarm.solver.forward.base import ForwardRun, NotedResponse
+from geoswarm.solver.system.activity import counting
+
+__all__ = ["ForwardOutcome", "outcome_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class ForwardOutcome:
+    """What a forward calculation gave; it failed when ``reason`` is not None.
+
+    Parameters
+    ----------
+    responses
+        Calculated values of each series at its points, shape (m_g,), base units; empty when it failed.
+    reason, message
+        Kind of failure and what happened; of a success a note, or None.
+    seconds
+        Wall time of the calculation without what it waited [s].
+    """
+
+    responses: dict[str, FloatArray]
+    reason: str | None
+    message: str | None
+    seconds: float
+
+
+def outcome_of(
+    run: ForwardRun,
+    values: Mapping[str, float],
+    checked: Callable[[Mapping[str, npt.ArrayLike]], dict[str, FloatArray]],
+) -> ForwardOutcome:
+    """Run a forward calculation; never raises for one that fails.
+
+    Parameters
+    ----------
+    values
+        All parameters by name.
+    checked
+        Returns the response in arrays of its own, or raises ForwardError for what is not a response.
+    """
+    began = time.perf_counter()
+    with counting() as waited:
+        try:
+            with np.errstate(all="ignore"):
+                found = run(values)
+            seconds = time.perf_counter() - began - waited.seconds
+            responses = checked(found)
+        except ForwardError as error:
+            reason, message = error.reason, message_of(error)
+        except MemoryError:
+            reason, message = "killed_memory", "the forward model ran out of memory"
+        except Exception as error:  # noqa: BLE001  a forward model may be anybody's code; its bug is one failed evaluation
+            reason, message = "bad_output", f"the forward model raised {in_words(error)}"
+        else:
+            return ForwardOutcome(responses, None, found.note if isinstance(found, NotedResponse) else None, seconds)
+    return ForwardOutcome({}, reason, message, time.perf_counter() - began - waited.seconds)
