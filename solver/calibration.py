@@ -10,8 +10,9 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, message_of
+from geoswarm.solver.forward.combined import CombinedRun
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
-from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
+from geoswarm.solver.objective.outcome import ForwardOutcome, joined, outcome_of
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.search.runs import Runs
@@ -55,7 +56,8 @@ class Evaluation:
     objective
         f, None when failed.
     misfits, responses
-        f'_g and calculated values, shape (m_g,), of each observed series; empty when failed.
+        f'_g and calculated values, shape (m_g,), of each observed series; empty when failed, but for the responses of
+        parts that a prediction keeps.
     reason, message
         Kind of failure (:data:`geoswarm.solver.errors.FailureReason`) and what happened; for a success, a note or None.
     seconds
@@ -124,7 +126,21 @@ class Calibration:
     def evaluate_values(self, values: Mapping[str, float]) -> Evaluation:
         """Run the forward calculation for values of all parameters by name."""
         parameters = np.array([values[name] for name in self.free_names], dtype=np.float64)
-        return self.judged(parameters, outcome_of(self._run, values, self.objective.responses))
+        return self.judged(parameters, self._outcome(values))
+
+    def _outcome(self, values: Mapping[str, float]) -> ForwardOutcome:
+        """Run the forward calculation; part by part where the series of each serve without the others."""
+        if not (self.problem.method.keeps_parts and isinstance(self._run, CombinedRun)):
+            return outcome_of(self._run, values, self.objective.responses)
+        return joined(
+            [
+                outcome_of(run, values, LeastSquares(self._observed_in(part)).responses)
+                for part, run in self._run.parts.items()
+            ]
+        )
+
+    def _observed_in(self, part: str) -> list[ObservedSeries]:
+        return [one for one in self.objective.observed if one.series.partition(".")[0] == part]
 
     def judged(self, parameters: FloatArray, outcome: ForwardOutcome) -> Evaluation:
         """Return the evaluation for a forward calculation, wherever it ran: its misfits and objective.
@@ -143,7 +159,8 @@ class Calibration:
             else:
                 value = self.objective.value(misfits)
                 return Evaluation(parameters, value, misfits, outcome.responses, None, message, outcome.seconds)
-        return Evaluation(parameters, None, {}, {}, reason, message, outcome.seconds)
+        kept = {} if outcome.reason is None else outcome.responses
+        return Evaluation(parameters, None, {}, kept, reason, message, outcome.seconds)
 
     def refused(self, parameters: FloatArray) -> Evaluation | None:
         """Return the failed evaluation of a follow-up at values that are not feasible; a search never asks for

@@ -39,7 +39,7 @@ from geoswarm.solver.words import listed
 if TYPE_CHECKING:
     from geoswarm.solver.user_laws.section import UserLawSection
 
-__all__ = ["CombinedModel", "CombinedSpec", "ModelPart", "parts_of"]
+__all__ = ["CombinedModel", "CombinedRun", "CombinedSpec", "ModelPart", "parts_of"]
 
 
 class CombinedSpec(ForwardModelSpec):
@@ -245,19 +245,32 @@ class CombinedModel:
         for series, x in points.items():
             part, _, name = series.partition(".")
             by_part.setdefault(part, {})[name] = x
-        runs = [(self._parts[name], _prepared(self._parts[name], wanted)) for name, wanted in by_part.items()]
+        return CombinedRun(
+            {
+                name: _part_run(self._parts[name], _prepared(self._parts[name], wanted))
+                for name, wanted in by_part.items()
+            }
+        )
 
-        def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
-            found: dict[str, FloatArray] = {}
-            for part, calculate in runs:
-                try:
-                    responses = calculate(part.values(parameters))
-                except ForwardError as error:
-                    raise _of_part(part.name, error) from error
-                found |= {f"{part.name}.{name}": response for name, response in responses.items()}
-            return found
 
-        return run
+class CombinedRun:
+    """The calculations of the parts, one after the other; the first that fails ends all.
+
+    Parameters
+    ----------
+    parts
+        By name; each gives its series as ``part.series``.
+    """
+
+    def __init__(self, parts: Mapping[str, ForwardRun]) -> None:
+        self.parts = parts
+
+    def __call__(self, parameters: Mapping[str, float]) -> dict[str, FloatArray]:
+        """Run all parts with parameters of the whole."""
+        found: dict[str, FloatArray] = {}
+        for calculate in self.parts.values():
+            found |= calculate(parameters)
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +301,19 @@ def _of_part(name: str, error: ForwardError) -> ForwardError:
     named = ForwardError(f"{name}: {message_of(error)}")
     named.reason = error.reason
     return named
+
+
+def _part_run(part: _Part, calculate: ForwardRun) -> ForwardRun:
+    """The calculation of a part with the parameters and the names of the whole."""
+
+    def run(parameters: Mapping[str, float]) -> dict[str, FloatArray]:
+        try:
+            responses = calculate(part.values(parameters))
+        except ForwardError as error:
+            raise _of_part(part.name, error) from error
+        return {f"{part.name}.{name}": response for name, response in responses.items()}
+
+    return run
 
 
 def _prepared(part: _Part, points: Mapping[str, FloatArray]) -> ForwardRun:

@@ -43,8 +43,8 @@ _TERMS = (
         "swelling index",
         "kappa",
         "2.303 κ (1 + ν)/(3 (1 − ν)), about",
-        lambda known: LN10 * known["kappa"] * oedometric(known.get("nu") or 0.25),
-        lambda value, known: value / (LN10 * oedometric(known.get("nu") or 0.25)),
+        lambda known: LN10 * known["kappa"] * oedometric(known.get("nu") or 0.25, known),
+        lambda value, known: value / (LN10 * oedometric(known.get("nu") or 0.25, known)),
     ),
     Term(
         "φ_cs",

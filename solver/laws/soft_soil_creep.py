@@ -65,8 +65,8 @@ _CS = Term(
     "swelling index",
     "kappa_star",
     "2.303 κ* (1 + e₀) (1 + ν)/(3 (1 − ν)), about",
-    lambda known: LN10 * known["kappa_star"] * (1.0 + known["e_0"]) * oedometric(known.get("nu_ur", 0.15)),
-    lambda value, known: value / (LN10 * (1.0 + known["e_0"]) * oedometric(known.get("nu_ur", 0.15))),
+    lambda known: LN10 * known["kappa_star"] * (1.0 + known["e_0"]) * oedometric(known.get("nu_ur", 0.15), known),
+    lambda value, known: value / (LN10 * (1.0 + known["e_0"]) * oedometric(known.get("nu_ur", 0.15), known)),
     voids=True,
 )
 _CALPHA = Term(

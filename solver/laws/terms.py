@@ -25,7 +25,8 @@ __all__ = [
 LN10: Final = math.log(10.0)
 
 Known: TypeAlias = Mapping[str, float]
-"""Parameters of the law by name (those that are known), and the void ratio before the test as ``e_0``."""
+"""Parameters of the law by name (those that are known), the void ratio before the test as ``e_0``, and ``all_round``
+above 0 where a quantity was read under all-round stress: it is taken for that of an oedometer otherwise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +72,11 @@ CRITICAL_FRICTION = same("φ_cs", "degree", "friction angle of the critical stat
 DILATANCY_ANGLE = same("ψ", "degree", "dilatancy angle", "psi")
 
 
-def oedometric(poisson: float) -> float:
-    """Vertical strain of a laterally held elastic body over its volume strain under all-round stress.
+def oedometric(poisson: float, known: Known) -> float:
+    """Strain of an elastic body in the test over its volume strain under all-round stress: 1 where that is the test.
 
-    Both for the same change of ln(stress), at equal stresses: ``(1 + nu)/(3 (1 - nu))``, 0.45 for nu = 0.15.
+    Laterally held, for the same change of ln(stress), at equal stresses: ``(1 + nu)/(3 (1 - nu))``, 0.45 for nu = 0.15.
     """
+    if known.get("all_round"):
+        return 1.0
     return (1.0 + poisson) / (3.0 * (1.0 - poisson))

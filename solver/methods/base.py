@@ -104,6 +104,9 @@ class Method(Section, ABC):
     bias: ClassVar[str] = ""
     """What to keep in mind when its evaluations are taken for samples; empty: nothing."""
 
+    keeps_parts: ClassVar[bool] = False
+    """Whether a combined run of which a part failed keeps the series of the others."""
+
     kind: str
 
     @abstractmethod

@@ -23,6 +23,7 @@ class PredictMethod(GivenPointsMethod):
     """A sample of the parameters of another job: first the optimum of each of its basins, then the draws."""
 
     title: ClassVar[str] = "prediction"
+    keeps_parts: ClassVar[bool] = True
 
     kind: Literal["predict"] = "predict"
     points: dict[str, list[float]] = Field(

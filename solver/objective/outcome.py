@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from geoswarm.solver.errors import ForwardError, in_words, message_of
 from geoswarm.solver.forward.base import ForwardRun, NotedResponse
 from geoswarm.solver.system.activity import counting
 
-__all__ = ["ForwardOutcome", "outcome_of"]
+__all__ = ["ForwardOutcome", "joined", "outcome_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,8 @@ class ForwardOutcome:
     Parameters
     ----------
     responses
-        Calculated values of each series at its points, shape (m_g,), base units; empty when it failed.
+        Calculated values of each series at its points, shape (m_g,), base units. When it failed, of the parts that
+        :func:`joined` has kept.
     reason, message
         Kind of failure and what happened; of a success a note, or None.
     seconds
@@ -67,3 +68,14 @@ def outcome_of(
         else:
             return ForwardOutcome(responses, None, found.note if isinstance(found, NotedResponse) else None, seconds)
     return ForwardOutcome({}, reason, message, time.perf_counter() - began - waited.seconds)
+
+
+def joined(parts: Sequence[ForwardOutcome]) -> ForwardOutcome:
+    """Return the outcome of a calculation from those of its parts: failed where one is, with what the others gave."""
+    failed = [part for part in parts if part.reason is not None]
+    return ForwardOutcome(
+        {series: values for part in parts for series, values in part.responses.items()},
+        failed[0].reason if failed else None,
+        "; ".join(part.message for part in failed if part.message) or None,
+        sum(part.seconds for part in parts),
+    )

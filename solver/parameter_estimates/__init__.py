@@ -11,7 +11,7 @@
 ``consolidation``        c_v and C_alpha of single stages
 ``constant_rate``        compression curve, c_v and k of a test at constant rate of strain
 ``shear``                strength, E50 and dilatancy of triaxial and direct simple shear tests
-``law_parameters``       hypoplastic sand, E50_ref at another stress, N of Cam clay
+``law_parameters``       hypoplastic sand, moduli of hardening soil at p_ref, N of clays
 ``classical``            all evaluations of a problem, for its readings or a calculated curve
 ``index``                what index properties let expect of the parameters of a problem
 ``proposal``             parameters of a problem, or a draft, with bounds and estimates from both

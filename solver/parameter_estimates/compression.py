@@ -13,6 +13,7 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.combined import ModelPart
 from geoswarm.solver.laboratory.shear.simple_shear import DirectSimpleShearSpec
 from geoswarm.solver.parameter_estimates.compression_curve import (
+    LogLog,
     casagrande,
     compression_index,
     first_loading,
@@ -126,7 +127,7 @@ def compression_values(read: CompressionReadings) -> Iterator[ClassicalValue]:
     if not read.sand:
         methods.append(("σ′p", "kPa", "Casagrande", lambda s, y: casagrande(s, y).stress))
     if not read.sand and read.void_ratio is not None:
-        methods.append(("σ′p", "kPa", "log-log", lambda s, y: log_log(s, y).stress))
+        methods.append(("σ′p", "kPa", "log-log", lambda s, y: _log_log_lines(s, y).stress))
     for symbol, unit, method, evaluate in methods:
         try:
             yield ClassicalValue(read.part, symbol, method, float(evaluate(read.stress, read.y)), unit=unit)
@@ -134,6 +135,12 @@ def compression_values(read: CompressionReadings) -> Iterator[ClassicalValue]:
             yield ClassicalValue(read.part, symbol, method, None, str(error), unit)
     if read.sand:
         yield ClassicalValue(read.part, "σ′p", "Casagrande", None, _BENDS, "kPa")
+
+
+def _log_log_lines(stress: FloatArray, y: FloatArray) -> LogLog:
+    """The two lines, where the void ratio itself bends as well: ln(1 + e) of a straight virgin line does, too."""
+    virgin_line(stress, y)
+    return log_log(stress, y)
 
 
 def compression_constructions(read: CompressionReadings) -> Iterator[Construction]:
@@ -197,7 +204,7 @@ def _casagrande(read: CompressionReadings, stress: str, quantity: str) -> Constr
 
 
 def _log_log(read: CompressionReadings, stress: str) -> Construction:
-    found = log_log(read.stress, read.y)
+    found = _log_log_lines(read.stress, read.y)
     x, _ = first_loading(read.stress, read.y)
     past = np.log10(found.stress)
     reach = 0.1 * (x[-1] - x[0])

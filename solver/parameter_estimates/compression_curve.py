@@ -24,6 +24,10 @@ __all__ = [
     "virgin_line",
 ]
 
+_FEWEST = 3
+"""Points of first loading that a virgin line needs."""
+_VIRGIN = 2.0
+"""Least ratio of the slope of first loading to that of unloading where all of it is virgin."""
 _STEEP = 0.9
 """Share of the steepest slope that belongs to the virgin line."""
 _STEEPENS = 1.3
@@ -70,8 +74,8 @@ def virgin_line(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> VirginLine:
         There are fewer than three points of first loading, or it does not become steeper.
     """
     x, e = first_loading(stress, void_ratio)
-    if x.size < 3:
-        raise NoEvaluationError(f"{x.size} points of first loading; at least 3 are needed")
+    if x.size < _FEWEST:
+        raise NoEvaluationError(f"{x.size} points of first loading; at least {_FEWEST} are needed")
     slopes = -np.diff(e) / np.diff(x)
     steepest = int(np.argmax(slopes))
     if not slopes[steepest] > 0.0:
@@ -91,13 +95,34 @@ def virgin_line(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> VirginLine:
 def compression_index(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:
     """Compression index Cc, the slope of :func:`virgin_line`; of minus the strain it is Cc / (1 + e_0).
 
+    First loading that does not become steeper is that of a normally consolidated specimen, and all of it counts, where
+    it is at least twice as steep as unloading.
+
+    Raises
+    ------
+    NoEvaluationError
+        There are fewer than three points of first loading, or what of it is virgin cannot be told.
+
     Examples
     --------
     >>> stress = [10.0, 20.0, 40.0, 80.0, 160.0]
     >>> round(compression_index(stress, [1.00, 0.99, 0.98, 0.88, 0.78]), 4)  # 0.1 in log10(2) of a decade
     0.3322
     """
-    return virgin_line(stress, void_ratio).index
+    try:
+        return virgin_line(stress, void_ratio).index
+    except NoEvaluationError:
+        x, e = first_loading(stress, void_ratio)
+        if x.size < _FEWEST:
+            raise
+        slope = -straight_line(x, e)[0]
+        try:
+            steep = slope >= _VIRGIN * swelling_index(stress, void_ratio) > 0.0
+        except NoEvaluationError:
+            steep = False
+        if not steep:
+            raise
+        return slope
 
 
 def swelling_index(stress: npt.ArrayLike, void_ratio: npt.ArrayLike) -> float:

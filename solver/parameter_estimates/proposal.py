@@ -31,6 +31,7 @@ from geoswarm.solver.parameter_estimates.index import (
 from geoswarm.solver.parameter_estimates.law_parameters import (
     alphas_of,
     beta_of,
+    compression_moduli_of,
     hardness_of,
     normal_volume_of,
     reference_modulus_of,
@@ -106,6 +107,8 @@ _ANGLE = 5.0
 _VOIDS, _OF_VOIDS = ("e_d0", "e_c0", "e_i0", "N"), 1.15
 """Bounds of limiting void ratios and specific volumes: this factor beyond the smallest and the largest candidate."""
 _PAST = ("OCR", "POP")
+_ALL_ROUND = ("isotropic_compression", "triaxial")
+"""Tests that are compressed by all-round stress."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,21 +174,27 @@ def candidates_of(problem: Problem) -> dict[str, list[Estimate]]:
     found: dict[str, list[Estimate]] = {}
     for test in soils_of(problem.forward_model, problem.model):
         known = term_known(test, test.own(fixed), soil)
+        known |= {"all_round": 1.0} if test.spec.kind in _ALL_ROUND else {}
         _gather(found, problem, test, [*_read(test, read, known), *_past(test, read)])
     for test, known_index in with_index(problem.forward_model, problem.model, soil):
         told = index_estimates(test, test.own(fixed), known_index)
         _gather(
             found, problem, test, [(one.parameter, of_correlation(one)) for one in told if not one.correlated.outside]
         )
+    compressed: list[TestOfLaw] = []
     without: list[TestOfLaw] = []
     for test in soils_of(problem.forward_model, problem.model):
         if "h_s" in test.parameters:
             _gather_sand(found, problem, test)
         moduli = found.get(full_name(problem, test, "E50_ref"), ())
+        if "Eoed_ref" in test.parameters:
+            compressed.append(test)
         if "E50_ref" in test.parameters and not any(one.reading for one in moduli):
             without.append(test)
         if "N" in problem.parameters and "N" in test.parameters:
             _gather(found, problem, test, normal_volume_of(problem, test, _known(problem, test, found)))
+    for test in compressed:
+        _gather(found, problem, test, compression_moduli_of(problem, test, _known(problem, test, found)))
     for test in without:
         _gather(found, problem, test, reference_modulus_of(problem, test, _known(problem, test, found)))
     return found
@@ -239,6 +248,8 @@ def _read(
         else:
             around = dict(known)
         for term in test.law.terms:
+            if term.quantity in ("Cc", "Cs") and term.parameter in ("Eoed_ref", "Eur_ref"):
+                continue  # they are those at p_ref: see compression_moduli_of
             strains = symbol != one.symbol
             if term.quantity != symbol or (term.voids and "e_0" not in around) or (strains and not term.voids):
                 continue

@@ -9,6 +9,7 @@ A finding is a sentence and a warning; only readings that no soil can have are e
 ``readings``      size and sign of readings against the specimen
 ``loads``         loads of a test in stages that the readings do not show
 ``weights``       series of different units without weights
+``pace``          rates and durations of shear tests that neither the law nor a reading knows of
 ``staged``        observations of laboratory tests with loads in stages, wherever in a problem they stand
 ================  =======================================================================================
 """
@@ -19,6 +20,7 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.plausibility.expectations import unexpected_bounds
 from geoswarm.solver.plausibility.headings import contradicted_headings
 from geoswarm.solver.plausibility.loads import loads_not_shown
+from geoswarm.solver.plausibility.pace import pace_without_effect
 from geoswarm.solver.plausibility.ranges import unusual_values
 from geoswarm.solver.plausibility.readings import Doubt, doubtful_readings
 from geoswarm.solver.plausibility.weights import unweighted_units
@@ -63,6 +65,7 @@ def implausible(problem: Problem) -> tuple[Sentence, ...]:
         *(doubt.sentence for doubt in doubtful_readings(problem)),
         *loads_not_shown(problem),
         *unweighted_units(problem),
+        *pace_without_effect(problem),
     )
 
 

@@ -81,6 +81,26 @@ def test_a_triaxial_test_is_given_by_its_stages(embedded: Site, visit: Visit) ->
 
 
 @pytest.mark.slow
+def test_residuals_along_the_curve_are_chosen_for_a_series(embedded: Site, visit: Visit) -> None:
+    page = begin(embedded, visit, "peaks", "triaxial")
+    page.get_by_text("Further parameters").click()
+    parameter(page, "E", "free", lower="1e3", upper="1e5")
+    for name, value in (("nu", "0.3"), ("c", "5"), ("phi", "30")):
+        parameter(page, name, "fixed", value=value)
+    give_readings(page, "q", READINGS, "phi: .value: 30")
+    residuals = page.get_by_label("Residuals")
+    expect(residuals).to_have_attribute("data-path", "observations[0].distance")
+    residuals.select_option(label="distances from the curve")
+    expect(page.locator("#yaml")).to_have_value(re.compile("distance: orthogonal"))
+    check_calculates(page)
+    yaml = page.locator("#yaml")
+    text = yaml.input_value()
+    residuals.select_option(label="differences of y")
+    expect(yaml).not_to_have_value(re.compile("distance:"))
+    yaml.fill(text)
+    expect(residuals.locator("option:checked")).to_have_text("distances from the curve")
+
+
 def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "clay", "direct_simple_shear")
     expect(page.locator('[data-path="forward_model.shearing[0].shear_strain"]')).to_have_value("0.25")

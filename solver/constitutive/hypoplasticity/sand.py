@@ -7,7 +7,7 @@ Compression positive; t = sigma/tr(sigma), s its deviator, d the strain rate::
     F = sqrt(tan^2(psi)/8 + (2 - tan^2(psi))/(2 + sqrt(2) tan(psi) cos(3 theta))) - tan(psi)/(2 sqrt(2))
     a = sqrt(3) (3 - sin(phi_c))/(2 sqrt(2) sin(phi_c))
     e_i/e_i0 = e_c/e_c0 = e_d/e_d0 = exp(-(tr(sigma)/h_s)^n)                        (Bauer 1996)
-    f_d = ((e - e_d)/(e_c - e_d))^alpha, 0 for e below e_d
+    f_d = ((e - e_d)/(e_c - e_d))^alpha, 0 for e below e_d, linear within 1e-6 (e_c - e_d) above it
     f_s = (h_s/n) (e_i/e)^beta (1 + e_i)/e_i (tr(sigma)/h_s)^(1 - n)
           / (3 + a^2 - sqrt(3) a ((e_i0 - e_d0)/(e_c0 - e_d0))^alpha)
 
@@ -29,6 +29,9 @@ SAND_CONSTANTS: Final = 9
 """Of the law, from place ``first`` on: a, h_s, n, e_d0, e_c0, e_i0, alpha, beta, and the last bracket of f_s."""
 
 _NO_DEVIATOR: Final = 1.0e-24
+
+_LINEAR: Final = 1.0e-6
+"""Density (e - e_d)/(e_c - e_d) below which f_d is linear: its slope at e_d is infinite for alpha below 1."""
 
 
 @kernel
@@ -68,8 +71,12 @@ def sand_functions(
     density = (e - e_d) / (e_c - e_d)
     f_d, f_d_p, f_d_e = 0.0, 0.0, 0.0
     if density > 0.0:
-        f_d = math.exp(alpha * math.log(density))
-        slope = alpha / (e - e_d)  # of ln(f_d)
+        if density < _LINEAR and alpha < 1.0:
+            f_d = math.exp(alpha * math.log(_LINEAR)) * density / _LINEAR
+            slope = 1.0 / (e - e_d)  # of ln(f_d)
+        else:
+            f_d = math.exp(alpha * math.log(density))
+            slope = alpha / (e - e_d)
         f_d_p, f_d_e = slope * n * x * e, slope * volume
     # Direction of stress: b = tan(psi)/(2 sqrt(2)), v = tr(s^3)/s:s.
     F, F_j, F_k = 1.0, 0.0, 0.0

@@ -17,8 +17,9 @@ from geoswarm.solver.identifiability.residuals.closeness import closeness_of
 from geoswarm.solver.identifiability.residuals.readings import MeasuredResiduals
 from geoswarm.solver.methods.predict import PredictMethod
 from geoswarm.solver.problem import Observation, Problem
+from geoswarm.solver.problem.weighting import test_of
 from geoswarm.solver.units import convert
-from geoswarm.solver.words import per_cent
+from geoswarm.solver.words import listed, per_cent
 
 __all__ = ["BasinOutcome", "Prediction", "PredictedSeries", "prediction_of", "weighted_quantiles"]
 
@@ -31,7 +32,7 @@ _BENT = 0.95  # share of the variation that a plane explains
 
 @dataclass(frozen=True, slots=True)
 class BasinOutcome:
-    """One basin: its share, its optimum by name, and its successful draws."""
+    """One basin: its share, its optimum by name, and its draws of which a test succeeded."""
 
     share: float
     parameters: dict[str, float]
@@ -125,7 +126,7 @@ class Prediction:
     basis
         ``covariance`` or ``posterior``: where the draws come from.
     runs, failed
-        Draws that were run, and those of them that failed and are left out.
+        Draws that were run, and those of them that failed; where one test did, the bands of the others keep the draw.
     basins
         One or more, the best first.
     undecided
@@ -137,7 +138,7 @@ class Prediction:
     remarks
         What it contains, and what to be careful about, in sentences.
     problem, responses
-        What was predicted, and the series at the best optimum, shape (m_g,), base units; empty if that run failed.
+        What was predicted, and the series at the best optimum, shape (m_g,), base units; without those that failed.
     """
 
     name: str
@@ -200,36 +201,33 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
     Raises
     ------
     StatisticsError
-        When fewer than ten draws have succeeded.
+        When fewer than ten draws of every test have succeeded.
     """
     problem = calibration.problem
     count = len(method.shares)
     optima, draws = evaluations[:count], evaluations[count:]
-    good = [i for i, run in enumerate(draws) if run.reason is None]
-    if len(good) < _FEWEST:
-        why = next((f": {run.reason}, {run.message}" for run in draws if run.reason is not None), "")
-        raise StatisticsError(f"{len(good)} of {len(draws)} draws have succeeded; a band needs {_FEWEST}{why}")
-    weights = np.array(method.weights)[good]
-    basins = np.array(method.basins)[good]
+    gave = [i for i, run in enumerate(draws) if run.responses]
+    failed = [run for run in draws if run.reason is not None]
+    such = "; ".join({run.reason: f"{run.reason}: {run.message}" for run in failed}.values())
+    rows = {o.series: [i for i in gave if o.series in draws[i].responses] for o in problem.observations}
+    most = max(map(len, rows.values()), default=0)
+    if most < _FEWEST:
+        why = f": {such}" if such else ""
+        raise StatisticsError(f"{most} of {len(draws)} draws have succeeded; a band needs {_FEWEST}{why}")
     points = method.positions(problem.free_names)
-    unit = calibration.space.to_unit(points[count:][good])
+    unit = calibration.space.to_unit(points[count:][: len(draws)])
     names = problem.free_names
     measured = _measured(calibration, method, optima[0])
     series = tuple(
-        _series(
-            problem, method, o, optima, [draws[i] for i in good], good, weights, basins, unit, measured.get(o.series)
-        )
+        _series(problem, method, o, optima, draws, rows[o.series], unit, measured.get(o.series))
         for o in problem.observations
+        if len(rows[o.series]) >= _FEWEST
     )
-    failed = len(draws) - len(good)
     remarks = list(method.remarks)
     if measured:
         found = closeness_of(problem, list(measured), list(measured.values()))
         remarks.insert(0, f"with the values of the best fit, {in_words(found)}")
-    if failed:
-        causes = {run.reason: f"{run.reason}: {run.message}" for run in draws if run.reason is not None}
-        such = "; ".join(causes.values())
-        remarks.append(f"{failed} of {len(draws)} runs failed, such as {such}; the band leaves them out")
+    remarks += _failures(problem, rows, len(draws), len(failed), such)
     loose = [one.series for one in series if one.end_error > _LOOSE]
     if loose:
         worst = max(one.end_error for one in series)
@@ -248,9 +246,13 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
         method.level,
         method.basis,
         len(draws),
-        failed,
+        len(failed),
         tuple(
-            BasinOutcome(share, dict(zip(names, points[number].tolist(), strict=True)), int((basins == number).sum()))
+            BasinOutcome(
+                share,
+                dict(zip(names, points[number].tolist(), strict=True)),
+                sum(method.basins[i] == number for i in gave),
+            )
             for number, share in enumerate(method.shares)
         ),
         tuple(method.undecided),
@@ -262,6 +264,19 @@ def prediction_of(calibration: Calibration, method: PredictMethod, evaluations: 
     )
 
 
+def _failures(problem: Problem, rows: Mapping[str, Sequence[int]], runs: int, failed: int, such: str) -> list[str]:
+    """How many runs the bands leave out, by test where these differ, and which series have none."""
+    if not failed:
+        return []
+    lost = {test_of(problem.forward_model, series): runs - len(own) for series, own in rows.items()}
+    left = "the band leaves them out"
+    if len(set(lost.values())) > 1:
+        left = f"left out are {listed([f'{number} runs of {test}' for test, number in lost.items() if number])}"
+    told = f"{failed} of {runs} runs failed, such as {such}; {left}"
+    without = [series for series, own in rows.items() if len(own) < _FEWEST]
+    return [told, f"{listed(without)}: no band, which needs {_FEWEST} successful runs"] if without else [told]
+
+
 def _named(series: Sequence[str]) -> str:
     more = len(series) - _MOST_NAMED
     return ", ".join(series) if more <= 1 else f"{', '.join(series[:_MOST_NAMED])} and {more} others"
@@ -269,9 +284,9 @@ def _named(series: Sequence[str]) -> str:
 
 def _measured(calibration: Calibration, method: PredictMethod, best: Evaluation) -> dict[str, MeasuredResiduals]:
     """Residuals of the best optimum by series, of those that were measured."""
-    if best.reason is not None:
-        return {}
-    observed = [o for o in calibration.objective.observed if o.series not in method.unmeasured]
+    observed = [
+        o for o in calibration.objective.observed if o.series not in method.unmeasured and o.series in best.responses
+    ]
     return {o.series: MeasuredResiduals.of(calibration.problem, o, best.responses[o.series]) for o in observed}
 
 
@@ -282,8 +297,6 @@ def _series(
     optima: Sequence[Evaluation],
     draws: Sequence[Evaluation],
     rows: list[int],
-    weights: FloatArray,
-    basins: Any,
     unit: FloatArray,
     residuals: MeasuredResiduals | None,
 ) -> PredictedSeries:
@@ -294,8 +307,9 @@ def _series(
     def to_y(values: FloatArray) -> FloatArray:
         return convert(values, info.y_unit, y_unit)
 
-    name = observation.series
-    values = np.array([run.responses[name][order] for run in draws])
+    name, unit = observation.series, unit[rows]
+    weights, basins = np.array(method.weights)[rows], np.array(method.basins)[rows]
+    values = np.array([draws[row].responses[name][order] for row in rows])
     tail = (1.0 - method.level) / 2.0
     levels = (0.5, tail, 1.0 - tail)
     median, lower, upper = weighted_quantiles(values, weights, levels)
@@ -308,7 +322,7 @@ def _series(
         spread = (values[:, None, :] + (factors[:, None] * errors)[:, :, None]).reshape(-1, values.shape[1])
         reading = weighted_quantiles(spread, np.repeat(weights, _STRATA), levels[1:])
     curves = np.array(
-        [run.responses[name][order] if run.reason is None else np.full(len(order), np.nan) for run in optima]
+        [run.responses[name][order] if name in run.responses else np.full(len(order), np.nan) for run in optima]
     )
     alone = [
         weighted_quantiles(values[basins == b], weights[basins == b], levels[1:])

@@ -37,10 +37,13 @@ def evaluations_of_folder(folder: Path, problem: Problem) -> list[Evaluation]:
     rows = read_table(folder / "evaluations.csv")
     good = [row for row in rows if row["state"] == "finished"]
     archive = folder / "responses.npz"
-    responses = {}
+    responses: dict[str, FloatArray] = {}
+    partial: dict[tuple[int, int], dict[str, FloatArray]] = {}
     if archive.is_file():
         with np.load(archive, allow_pickle=False) as stored:
             responses = {o.series: stored[f"response.{o.series}"] for o in problem.observations}
+            if "partial.generation" in stored:
+                partial = _partial(stored, problem)
     names = [parameter_column(name) for name in problem.free_names]
     misfits = {o.series: column(good, f"misfit.{o.series}") for o in problem.observations}
     place = 0
@@ -48,7 +51,8 @@ def evaluations_of_folder(folder: Path, problem: Problem) -> list[Evaluation]:
     for row in rows:
         parameters = np.array([float(row[name]) for name in names])
         if row["state"] != "finished":
-            found.append(Evaluation(parameters, None, {}, {}, row["reason"], row.get("message"), 0.0))
+            kept = partial.get((int(row["generation"]), int(row["particle"])), {})
+            found.append(Evaluation(parameters, None, {}, kept, row["reason"], row.get("message"), 0.0))
             continue
         found.append(
             Evaluation(
@@ -63,6 +67,16 @@ def evaluations_of_folder(folder: Path, problem: Problem) -> list[Evaluation]:
         )
         place += 1
     return found
+
+
+def _partial(stored: Mapping[str, FloatArray], problem: Problem) -> dict[tuple[int, int], dict[str, FloatArray]]:
+    """What the tests that succeeded gave in failed runs, by generation and particle."""
+    curves = {o.series: stored[f"partial.response.{o.series}"] for o in problem.observations}
+    places = zip(stored["partial.generation"].tolist(), stored["partial.particle"].tolist(), strict=True)
+    return {
+        place: {series: values[row] for series, values in curves.items() if not np.isnan(values[row]).any()}
+        for row, place in enumerate(places)
+    }
 
 
 def findings_of_folder(folder: Path, problem: Problem, *, noise: Mapping[str, float] | float | None = None) -> Findings:

@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.parameter_estimates.classical import classical_values
 from geoswarm.solver.parameter_estimates.index import estimates_of, index_document
 from geoswarm.solver.problem import Problem
-from geoswarm.solver.progress.result import CalibrationResult, GenerationRecord
+from geoswarm.solver.progress.result import CalibrationResult, EvaluationRecord, GenerationRecord
 from geoswarm.solver.report.document.laboratory import calculated_values
 from geoswarm.solver.report.document.laboratory_table import laboratory_document
 from geoswarm.solver.report.terms import values_in_terms
@@ -153,18 +154,28 @@ def write_evaluations(path: Path, problem: Problem, result: CalibrationResult) -
 def write_responses(path: Path, problem: Problem, result: CalibrationResult) -> None:
     """Write the responses of the successful evaluations as a NumPy archive, for statistics and other weights later.
 
-    Arrays ``generation`` and ``particle``, shape (n,), and ``response.SERIES``, shape (n, m_g), base units.
+    Arrays ``generation`` and ``particle``, shape (n,), and ``response.SERIES``, shape (n, m_g), base units; the same
+    behind ``partial.`` of predictions of which a test failed, nan for its series.
     """
     good = [r for r in result.history if r.evaluation.reason is None]
-    arrays = {
-        f"response.{o.series}": np.array([r.evaluation.responses[o.series] for r in good]).reshape(-1, o.x.size)
-        for o in problem.observations
+    arrays = _archived(problem, good)
+    partial = [r for r in result.history if r.evaluation.reason is not None and r.evaluation.responses]
+    if partial:
+        arrays |= {f"partial.{name}": values for name, values in _archived(problem, partial).items()}
+    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]  # the stubs take any further keyword for an option
+
+
+def _archived(problem: Problem, records: Sequence[EvaluationRecord]) -> dict[str, npt.NDArray[Any]]:
+    """Arrays of :func:`write_responses` for some evaluations."""
+    arrays: dict[str, npt.NDArray[Any]] = {
+        "generation": np.array([r.generation for r in records], dtype=np.int64),
+        "particle": np.array([r.particle for r in records], dtype=np.int64),
     }
-    place = {
-        "generation": np.array([r.generation for r in good], dtype=np.int64),
-        "particle": np.array([r.particle for r in good], dtype=np.int64),
-    }
-    np.savez_compressed(path, **place, **arrays)  # type: ignore[arg-type]  # the stubs take any further keyword for an option
+    for o in problem.observations:
+        nothing = np.full(o.x.size, np.nan)
+        found = [r.evaluation.responses.get(o.series, nothing) for r in records]
+        arrays[f"response.{o.series}"] = np.array(found).reshape(-1, o.x.size)
+    return arrays
 
 
 _OF_GENERATIONS = ("generation", "evaluations", "failed", "best_objective", "objective")

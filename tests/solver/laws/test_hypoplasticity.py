@@ -12,8 +12,10 @@ from scipy.spatial.transform import Rotation
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.tensors import rotation_matrix
 from geoswarm.solver.element_test.boundary_conditions import Stage, strain_change, stress_value
+from geoswarm.solver.element_test.load_paths import follow_load_path
 from geoswarm.solver.element_test.material_point import follow, point_under
 from geoswarm.solver.element_test.setups import isotropic_load
+from geoswarm.solver.element_test.specimen import specimen_load_paths
 from geoswarm.solver.errors import DivergedError, InfeasibleError
 from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.hypoplasticity.shared import mobilised_friction
@@ -233,3 +235,15 @@ def test_a_clay_that_cannot_be_under_its_stress_is_reported(
         of.law.initial_state(stress, of.constants)
     with pytest.raises(InfeasibleError, match=message):
         of.law.initial_state(np.stack([stress[:4], stress[:4]]), of.constants)
+
+
+def test_dense_sand_slides_along_its_densest_state_in_few_steps() -> None:
+    """Unloading holds e at e_d, where the slope of f_d was infinite: 145 steps of 500 substeps and more, 5 s."""
+    values = {"phi_c": 31.17, "h_s": 7.209e6, "n": 0.3672, "e_d0": 0.5971, "e_c0": 1.0931, "e_i0": 1.3314}
+    of = find_law("hypoplastic_sand").soil({**values, "alpha": 0.0839, "beta": 1.703, "e0": 0.5834523})
+    state = point_under([228.369, 100.0, 228.369, 0.0], of)
+    path = follow_load_path(of, specimen_load_paths("unloading", 4, 5.0, None, 0.0, 0.0, False)[0], state, 1.0e-5)
+    assert len(path.places) < 20
+    stress, e = path.end.stress, path.end.internal[0]
+    e_d, e_c = (values[name] * math.exp(-((stress[:3].sum() / 7.209e6) ** 0.3672)) for name in ("e_d0", "e_c0"))
+    assert e == pytest.approx(e_d, abs=1.0e-6 * (e_c - e_d))

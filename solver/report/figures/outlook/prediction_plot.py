@@ -76,8 +76,9 @@ def prediction_figure(title: str, prediction: Prediction) -> Figure:
 
 
 def _tests(prediction: Prediction) -> tuple[Overlay, ...]:
-    """Diagrams that several tests have; none where a series was not measured, or the run at the best optimum failed."""
-    if not prediction.responses or any(one.measured is None for one in prediction.series):
+    """Diagrams that several tests have; none where a series was not measured, or the best optimum lacks one."""
+    lacks = any(o.series not in prediction.responses for o in prediction.problem.observations)
+    if lacks or any(one.measured is None for one in prediction.series):
         return ()
     problem, optimum = prediction.problem, prediction.basins[0].parameters
     values = problem.values([optimum[name] for name in problem.free_names])

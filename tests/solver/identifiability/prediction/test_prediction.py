@@ -19,9 +19,11 @@ from geoswarm.solver.identifiability.prediction.bands import weighted_quantiles
 from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around, take_from
 from geoswarm.solver.identifiability.prediction.question import predict_problem
 from geoswarm.solver.identifiability.stored.findings import findings_of
-from geoswarm.solver.problem import Problem
+from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.outlook_tables import prediction_table
 from geoswarm.solver.report.figures.outlook.prediction_plot import prediction_figure
+from geoswarm.solver.report.folder.folder_findings import evaluations_of_folder
+from geoswarm.solver.report.folder.run_folder import open_run_folder
 from geoswarm.solver.runs.local import calibrate as calibrate_here
 from geoswarm.solver.words import per_cent
 from tests.solver.identifiability.cases import WHITE, X, free, linearised, problem_of
@@ -316,3 +318,59 @@ def test_the_case_that_the_study_repeats() -> None:
     )
     found = predicted(problem, np.array(case.truth), case, 100, 0.9, 1)["s"]
     np.testing.assert_allclose(found.median, case.other(np.array(case.truth), case.at), atol=0.1)
+
+
+def with_a_fragile_test(expression: str) -> dict[str, Any]:
+    """Two tests: one that any parameters give, one that some do not."""
+    series = {"sound": "a + b * x", "fragile": expression}
+    return {
+        "forward_model": {
+            "kind": "combined",
+            "parts": {name: {"kind": "formula", "series": {"y": formula}} for name, formula in series.items()},
+        },
+        "observations": [{"series": f"{name}.y", "points": {"x": [4.0, 10.0]}} for name in series],
+    }
+
+
+def test_a_test_that_fails_takes_its_own_band_alone(tmp_path: Path) -> None:
+    """Each draw of which one test failed was lost for all."""
+    problem = line(known=True)
+    calibration = Calibration(problem, 1)
+    optimum = line_result(known=True).parameters
+    found = linearised(problem, list(optimum.values()))
+    sample = draw_around(calibration, basins_of(calibration, found, 1.0, (), (), None), 40, 1)
+    asked = predict_problem(problem, with_a_fragile_test(f"ln(a - {optimum['a'] - 1e-3})"), sample, seed=1)
+    folder = open_run_folder(tmp_path, asked, seed=None, offer=None, resume=False)
+    assert folder is not None
+    result = calibrate_here(asked, keeper=folder)
+    folder.finish(result)
+    folder.complete()
+    (plain,) = findings_of(
+        question := predict_problem(problem, later(x=(4.0, 10.0)), sample, seed=1),
+        1,
+        [record.evaluation for record in calibrate_here(question).history],
+    ).predictions
+    for evaluations in ([r.evaluation for r in result.history], evaluations_of_folder(tmp_path, asked)):
+        (both,) = findings_of(asked, 1, evaluations).predictions
+        assert both["sound.y"].lower.tolist() == plain["y"].lower.tolist()
+        assert both["sound.y"].upper.tolist() == plain["y"].upper.tolist()
+        assert both["fragile.y"].lower[0] < both["fragile.y"].upper[0]
+        assert 5 < both.failed < 30
+        assert any(f"left out are {both.failed} runs of fragile." in remark for remark in both.remarks)
+    asked = predict_problem(problem, with_a_fragile_test("ln(-1 - a**2)"), sample, seed=1)
+    (sound,) = findings_of(asked, 1, [r.evaluation for r in calibrate_here(asked).history]).predictions
+    assert [one.series for one in sound.series] == ["sound.y"]
+    assert "Fragile.y: no band, which needs 10 successful runs." in sound.remarks
+    assert not prediction_figure("one of two", sound).axes[1:]
+
+
+def test_a_search_takes_a_run_as_failed_when_a_test_fails() -> None:
+    document = with_a_fragile_test("ln(a)")
+    for section in document["observations"]:
+        section["points"]["y"] = [1.0, 2.0]
+    problem = parse_problem(
+        document | {"parameters": {"a": free(-1.0), "b": free(-1.0)}, "stopping": {"max_evaluations": 20}}
+    )
+    evaluation = Calibration(problem, 1).evaluate(np.array([-0.5, 0.5]))
+    assert evaluation.reason == "not_finite"
+    assert not evaluation.responses
