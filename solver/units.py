@@ -28,8 +28,6 @@ __all__ = [
 WATER: Final = 9.81
 """Unit weight of water, kN/m³."""
 
-_PURE = ("", "1", "-", "dimensionless")
-
 _MAX_LENGTH = 50
 _TIMES = re.compile(r"(0\.\d{1,9}|10{1,6}|1(?=/))(?:/([1-9]\d{0,8}))? +([^\d\s*/].*)", re.ASCII)
 _MOST_DIGITS = 100  # of a factor to root units; whole numbers of a million digits take a third of a second
@@ -128,7 +126,7 @@ def shown_unit(unit: str) -> str:
     >>> shown_unit("kPa"), shown_unit("dimensionless")
     ('kPa', '')
     """
-    return "" if unit in _PURE else unit
+    return "" if unit in _DIMENSIONLESS else unit
 
 
 def _ratio(unit: str, base: str) -> tuple[float, float]:
