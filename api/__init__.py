@@ -12,7 +12,6 @@
 ``routes``           one module a resource
 ``pages``            the dashboard: one module a page; its scripts use the routes
 ``assets``           static files and Plotly, compressed, kept by browsers
-``answers``          documents of the solver as the records that are answered
 ``compute_program``  the program of a process for requests that calculate: the same application, behind no door
 ``dependencies``     what routes ask for: the service, the feed, and the errors that they document
 ``drafts``           checks drafts of problems, and finds the starter examples
@@ -21,8 +20,7 @@
 ``parquet``          evaluations as Parquet: typed columns, written row group by row group into a temporary file (extra
                      ``parquet``)
 ``points``           the successful evaluations of a job as one block of float32, for plots of many thousand points
-``views``            the view of a job's statistics: threshold, known noise, posterior sample; the same for all their
-                     routes
+``views``            the view of a job's statistics: threshold, known noise, posterior sample; documents as records
 ===================  ===================================================================================================
 """
 

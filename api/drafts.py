@@ -7,7 +7,8 @@ from functools import cache
 from typing import Any
 
 from geoswarm.api.schemas.drafts import DraftEstimate, DraftIssue, DraftObservation, DraftSketch, Example, ProblemDraft
-from geoswarm.api.schemas.jobs import Parameter, Series
+from geoswarm.api.views import record_of
+from geoswarm.records.problem import Parameter, Series
 from geoswarm.solver.examples import example_file, example_names
 from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.plausibility import impossible, to_be_accepted
@@ -36,8 +37,8 @@ def describe_draft(draft: Draft) -> ProblemDraft:
         issues=[DraftIssue.model_validate(issue) for issue in issues],
         warnings=[plain(sentence) for sentence in warnings],
         warning_parts=[parts_json(sentence) for sentence in warnings],
-        parameters=None if model is None else [Parameter.model_validate(one) for one in model.parameters[:MAX_LISTED]],
-        series=None if model is None else [Series.model_validate(one) for one in model.series[:MAX_LISTED]],
+        parameters=None if model is None else [record_of(Parameter, one) for one in model.parameters[:MAX_LISTED]],
+        series=None if model is None else [record_of(Series, one) for one in model.series[:MAX_LISTED]],
         open_parameters=model is not None and model.open_parameters,
         sketches=_sketches(draft),
         estimates=_estimates(draft),
@@ -59,7 +60,9 @@ def _sketches(draft: Draft) -> list[DraftSketch] | None:
 
 
 def _estimates(draft: Draft) -> list[DraftEstimate]:
-    from geoswarm.solver.estimates.draft import estimates_of_draft  # with Numba, for which a formula should not wait
+    from geoswarm.solver.parameter_estimates.proposal import (
+        estimates_of_draft,  # with Numba, for which a formula should not wait
+    )
 
     return [DraftEstimate.model_validate(one) for one in estimates_of_draft(draft)]
 

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import anyio.to_thread
 from fastapi import Depends, Query, Request
+from pydantic import TypeAdapter
 
 from geoswarm.api.dependencies import JobId, Service, limiter, require_runs
 from geoswarm.api.errors import DetailError
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem import read_document
+from geoswarm.solver.report.jsonable import jsonable
 
 if TYPE_CHECKING:
     from geoswarm.solver.report.compared import Compared
 
-__all__ = ["Noise", "View", "WantedReport", "WantedView"]
+__all__ = ["Noise", "View", "WantedReport", "WantedView", "read_record", "record_of"]
 
 
 def _noise(
@@ -112,3 +116,30 @@ async def _with_compared(
 
 
 WantedReport = Annotated[View, Depends(_with_compared)]
+
+
+T = TypeVar("T")
+
+
+def read_record(kind: type[T], document: Mapping[str, Any]) -> T:
+    """Return a document as a record; what is not finite in it is None.
+
+    Raises
+    ------
+    ValueError
+        When a field is missing, or is not of its type.
+    """
+    record: Any = kind
+    found: T = _adapter(record).validate_python(jsonable(document))
+    return found
+
+
+def record_of(kind: type[T], source: Any) -> T:
+    """Return a record of the attributes of the same names; what is not finite in them is None."""
+    record: Any = kind
+    return read_record(kind, {one.name: getattr(source, one.name) for one in fields(record)})
+
+
+@cache
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(kind)

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from geoswarm.solver.correlations.catalogue import CORRELATIONS
 from geoswarm.solver.laboratory.water_flow import FLOW
 from geoswarm.solver.laws.base import Law
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
+from geoswarm.solver.parameter_estimates.correlations import CORRELATIONS
 from geoswarm.solver.parameter_info import ParameterInfo
 
 DOCS = Path(__file__).parent
@@ -75,7 +75,7 @@ def correlations() -> str:
     """All correlations, and the ranges of the flow of water."""
     rows = []
     for one in CORRELATIONS:
-        valid = ", ".join(f"{name} {low:g} to {high:g}" for name, (low, high) in zip(one.needs, one.valid, strict=True))
+        valid = ", ".join(f"{name} {low:g} to {high:g}" for name, (low, high) in one.valid.items())
         rows.append((one.quantity, f"{one.equation}", one.soils, valid, one.scatter_in_words, one.source))
     columns = ("quantity", "equation", "soils", "range", "scatter", "source")
     water = "Permeability and its change belong to no law; their usual ranges:"

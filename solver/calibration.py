@@ -16,9 +16,17 @@ from geoswarm.solver.objective.outcome import ForwardOutcome, joined, outcome_of
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.search.runs import Runs
-from geoswarm.solver.space import search_space
+from geoswarm.solver.search.space import SearchSpace
 
-__all__ = ["Calibration", "Evaluation", "WarmStartRuns", "choose_seed", "objective_of", "with_further_tries"]
+__all__ = [
+    "Calibration",
+    "Evaluation",
+    "WarmStartRuns",
+    "choose_seed",
+    "objective_of",
+    "search_space",
+    "with_further_tries",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,3 +182,15 @@ def with_further_tries(failures: Failures, first: Evaluation, again: Callable[[]
 def choose_seed(seed: int | None) -> int:
     """Return the given seed, or a new 32-bit one; every result reports it."""
     return secrets.randbits(32) if seed is None else seed
+
+
+def search_space(problem: Problem) -> SearchSpace:
+    """Return the space of the free parameters of a problem."""
+    return SearchSpace(
+        names=problem.free_names,
+        lower=np.array([p.lower for p in problem.free], dtype=np.float64),
+        upper=np.array([p.upper for p in problem.free], dtype=np.float64),
+        log=np.array([p.scale == "log" for p in problem.free], dtype=np.bool_),
+        feasible=lambda x: problem.satisfies(problem.values(x.tolist())),
+        integer=np.array([p.integer for p in problem.free], dtype=np.bool_),
+    )

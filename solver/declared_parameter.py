@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from geoswarm.solver.parameter_info import ParameterInfo
 
-__all__ = ["DeclaredParameter", "ParameterName"]
-
-ParameterName = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)]
+__all__ = ["DeclaredParameter"]
 
 
 class DeclaredParameter(BaseModel):

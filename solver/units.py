@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache, lru_cache
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ import numpy.typing as npt
 from geoswarm.solver.arrays import FloatArray
 
 __all__ = [
+    "WATER",
     "UnitError",
     "base_unit",
     "convert",
@@ -24,7 +25,8 @@ __all__ = [
     "with_unit",
 ]
 
-_PURE = ("", "1", "-", "dimensionless")
+WATER: Final = 9.81
+"""Unit weight of water, kN/m³."""
 
 _MAX_LENGTH = 50
 _TIMES = re.compile(r"(0\.\d{1,9}|10{1,6}|1(?=/))(?:/([1-9]\d{0,8}))? +([^\d\s*/].*)", re.ASCII)
@@ -124,7 +126,7 @@ def shown_unit(unit: str) -> str:
     >>> shown_unit("kPa"), shown_unit("dimensionless")
     ('kPa', '')
     """
-    return "" if unit in _PURE else unit
+    return "" if unit in _DIMENSIONLESS else unit
 
 
 def _ratio(unit: str, base: str) -> tuple[float, float]:

@@ -7,7 +7,6 @@ the cache folder says that a group of kernels is compiled; its name depends on a
 
 from __future__ import annotations
 
-import gc
 import hashlib
 import inspect
 import logging
@@ -15,8 +14,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -25,6 +23,7 @@ from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.kernels.cache import SOLVER, alone, fingerprint, settle
 from geoswarm.solver.laws.registry import BUILT_IN, USER_LAWS, find_law, installed_laws, user_update
 from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.system.processes import without_garbage_collection
 
 __all__ = [
     "GROUPS",
@@ -214,7 +213,7 @@ def compile_for(spec: ForwardModelSpec, tell: Tell = lambda _compiled, _missing:
 
 def run_sample(group: str) -> None:
     """Run a sample, or load laws; then the kernels of the group are in this process, compiled or from the cache."""
-    with _no_garbage_sought():
+    with without_garbage_collection():
         if group in SAMPLES:
             problem = parse_problem(SAMPLES[group])
             run = problem.model.prepare({observation.series: observation.x for observation in problem.observations})
@@ -225,18 +224,6 @@ def run_sample(group: str) -> None:
             for law in _laws_of(group):
                 _ = law.update.address
     _ready.add(group)
-
-
-@contextmanager
-def _no_garbage_sought() -> Iterator[None]:
-    """Compile in 0.87 of the time, as millions of small objects are made and nearly all stay."""
-    sought = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if sought:
-            gc.enable()
 
 
 def _laws_of(group: str) -> tuple[Law, ...]:

@@ -19,8 +19,9 @@ __all__ = [
     "interval_digits",
     "listed",
     "number",
-    "reasons_in_words",
     "per_cent",
+    "power_of_ten",
+    "reasons_in_words",
     "typeset",
     "verdict_in_words",
     "visible",
@@ -87,7 +88,7 @@ def number(value: float | None, digits: int = 4, *, plain: bool = False) -> str:
     if plain:
         return f"{mantissa}e{int(power)}" if exponent else text
     if exponent:
-        text = _power(mantissa, power)
+        text = power_of_ten(mantissa, power)
     return text.replace("-", "−")
 
 
@@ -164,7 +165,8 @@ def per_cent(part: float) -> str:
     return f"{100.0 * part:.{decimals}f}".removesuffix(".0") + " %" if decimals <= 6 else "less than 0.000001 %"
 
 
-def _power(mantissa: str, power: str) -> str:
+def power_of_ten(mantissa: str, power: str) -> str:
+    """Return ``5.2·10⁻⁸`` of 5.2 and -08; without the mantissa where it is 1."""
     raised = f"10{str(int(power)).translate(_RAISED)}"
     return raised if mantissa == "1" else f"{mantissa}·{raised}"
 
@@ -173,7 +175,7 @@ def typeset(text: str) -> str:
     """Return a sentence as it is printed: ``5.2e-08`` becomes ``5.2·10⁻⁸``, ``95 %`` is not broken."""
     powers = re.sub(
         r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]\d+)\b",
-        lambda found: _power(found[1], found[2]),
+        lambda found: power_of_ten(found[1], found[2]),
         text,
     )
     return re.sub(r"(\d) ?%", "\\1\N{NO-BREAK SPACE}%", powers)

@@ -23,7 +23,7 @@ import anyio
 import anyio.to_thread
 from cachetools import FIFOCache
 
-from geoswarm.records.history import Event
+from geoswarm.records.job import Event
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.errors import JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.service.job_service import JobService

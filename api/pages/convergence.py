@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from geoswarm.records.history import Generation
+from geoswarm.records.job import Generation
 
 __all__ = ["LEFT", "PLOT_WIDTH", "RIGHT", "Convergence", "convergence"]
 

@@ -8,8 +8,9 @@ from fastapi import APIRouter, Depends, Path
 
 from geoswarm.api.dependencies import Feed, Service, problems_of
 from geoswarm.api.errors import DetailError, role_refused
-from geoswarm.api.schemas.administration import KeyList, NewKeyRequest, Operations
+from geoswarm.api.schemas.administration import KeyList, NewKeyRequest
 from geoswarm.records.account import Key, NewKey
+from geoswarm.records.service import Operations
 from geoswarm.solver.errors import Issue
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.errors import KeyNotFoundError, SettingsError

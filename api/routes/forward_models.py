@@ -10,7 +10,9 @@ from pydantic import ValidationError
 
 from geoswarm.api.dependencies import problems_of
 from geoswarm.api.errors import DetailError
-from geoswarm.api.schemas.jobs import ForwardModelDetail, ForwardModelList, ForwardModelSummary, Parameter, Series
+from geoswarm.api.schemas.responses import ForwardModelList
+from geoswarm.api.views import record_of
+from geoswarm.records.problem import ForwardModelDetail, ForwardModelSummary, Parameter, Series
 from geoswarm.solver.errors import BrokenForwardModelError, ExpressionError, ProblemError, UnknownForwardModelError
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.registry import PROGRAMS_REFUSED, built, find_spec, offered_kinds, parse_spec
@@ -58,8 +60,8 @@ def show_forward_model(kind: str) -> ForwardModelDetail:
         example=None if model is None else example,
         depends_on_section=varies,
         note=UNKNOWN if model is None else VARIES if varies else None,
-        parameters=[] if model is None else [Parameter.model_validate(info) for info in model.parameters],
-        series=[] if model is None else [Series.model_validate(info) for info in model.series],
+        parameters=[] if model is None else [record_of(Parameter, info) for info in model.parameters],
+        series=[] if model is None else [record_of(Series, info) for info in model.series],
     )
 
 

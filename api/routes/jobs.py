@@ -8,7 +8,7 @@ from fastapi import APIRouter, Header, Query, Request, Response
 
 from geoswarm.api.access.bodies import ProblemDocument
 from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
-from geoswarm.api.schemas.jobs import JobChange, JobPage
+from geoswarm.api.schemas.responses import JobChange, JobPage
 from geoswarm.records.job import Job, Retry
 from geoswarm.records.states import JobState
 from geoswarm.solver.problem import parse_problem

@@ -1,4 +1,4 @@
-"""Problems before they become jobs."""
+"""Problems before they become jobs, and the examples that come with the program."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from pydantic import ValidationError
 
 from geoswarm.api.access.bodies import ProblemDocument, ProblemText
 from geoswarm.api.dependencies import Service, limiter, problems_of
-from geoswarm.api.drafts import describe_draft
+from geoswarm.api.drafts import describe_draft, find_examples
 from geoswarm.api.errors import DetailError
 from geoswarm.api.routes.jobs import PROBLEM_BODY
-from geoswarm.api.schemas.drafts import FilesOfTests, ProblemDraft, ProblemOfTests
-from geoswarm.api.schemas.jobs import CheckResult, WarmStarts
+from geoswarm.api.schemas.drafts import Example, ExampleList, ExampleSummary, FilesOfTests, ProblemDraft, ProblemOfTests
+from geoswarm.api.schemas.responses import WarmStarts
+from geoswarm.api.views import read_record
+from geoswarm.records.problem import CheckResult
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import draft_of_document, draft_of_text, parse_problem, problem_schema, read_document
 from geoswarm.solver.problem.draft import document_of_tests
@@ -24,7 +26,7 @@ from geoswarm.solver.problem.issues import issues_of
 from geoswarm.solver.problem.text.reading import Form
 from geoswarm.solver.registered.schema import registered_models, section_schema
 
-__all__ = ["router"]
+__all__ = ["examples_router", "router"]
 
 router = APIRouter(prefix="/problems", tags=["problems"])
 
@@ -44,7 +46,7 @@ async def check(document: ProblemDocument, request: Request, service: Service) -
     problem = await anyio.to_thread.run_sync(parse_problem, document)
     report = await anyio.to_thread.run_sync(service.check, problem, limiter=limiter(request, "test runs"))
     earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
-    return CheckResult.model_validate(asdict(report) | {"warm_starts": [asdict(job) for job in earlier]})
+    return read_record(CheckResult, asdict(report) | {"warm_starts": [asdict(job) for job in earlier]})
 
 
 @router.post(
@@ -98,3 +100,22 @@ def _draft(text: str, form: Form) -> ProblemDraft:
         return describe_draft(draft_of_text(text) if form == "yaml" else draft_of_document(read_document(text, form)))
     except ProblemError as error:
         raise DetailError(400, str(error), kind="malformed-body", title="Malformed body", issues=error.issues) from None
+
+
+examples_router = APIRouter(prefix="/examples", tags=["problems"])
+
+
+@examples_router.get("", responses=problems_of())
+def list_examples() -> ExampleList:
+    """List the examples."""
+    return ExampleList(items=[ExampleSummary.model_validate(one.model_dump()) for one in find_examples().values()])
+
+
+@examples_router.get("/{name}", responses=problems_of(404))
+def show_example(name: str) -> Example:
+    """Show an example with its problem, which can be submitted as it is."""
+    found = find_examples().get(name)
+    if found is None:
+        known = ", ".join(find_examples())
+        raise DetailError(404, f"There is no example '{name[:80]}'; known: {known}.", kind="unknown-example")
+    return found

@@ -15,7 +15,7 @@ from fastapi.responses import StreamingResponse
 from geoswarm.api.dependencies import Cursor, JobId, Limit, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.parquet import parquet_available, parquet_pieces
-from geoswarm.api.schemas.jobs import (
+from geoswarm.api.schemas.responses import (
     AttemptList,
     EvaluationPage,
     GenerationList,

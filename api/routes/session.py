@@ -12,7 +12,8 @@ from starlette.datastructures import Headers
 from geoswarm.api.access.authentication import SESSION_COOKIE, Authenticator, Identity, given_token
 from geoswarm.api.dependencies import problems_of
 from geoswarm.api.errors import role_refused
-from geoswarm.api.schemas.jobs import Session, SignIn
+from geoswarm.api.schemas.responses import SignIn
+from geoswarm.records.service import Session
 from geoswarm.workers.access.principal import LOCAL
 from geoswarm.workers.access.sessions import SESSION_SECONDS
 

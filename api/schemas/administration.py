@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from geoswarm.records.account import Hook, Key, Role
 from geoswarm.records.states import ENDED_STATES, EndedState
 
-__all__ = ["HookList", "KeyList", "NewHookRequest", "NewKeyRequest", "Operations"]
+__all__ = ["HookList", "KeyList", "NewHookRequest", "NewKeyRequest"]
 
 
 class KeyList(BaseModel):
@@ -30,21 +30,6 @@ class NewKeyRequest(BaseModel):
     role: Role = "submit"
     label: str = Field("", max_length=200, description="what it is for")
     valid_seconds: float | None = Field(None, gt=0, le=3.2e9, description="time until it expires; null: never")
-
-
-class Operations(BaseModel):
-    """State of the installation, over all owners and processes."""
-
-    jobs: dict[str, int] = Field(description="number by state")
-    waiting: int = Field(description="evaluations of running jobs that wait for a worker")
-    running: int = Field(description="evaluations that a worker has")
-    oldest_wait: float = Field(description="age of the oldest job that no worker has started, seconds")
-    workers: dict[str, int] = Field(description="number by state")
-    outcomes: dict[str, int] = Field(
-        description="forward runs since the installation was made: finished, or the kind of failure"
-    )
-    lost_evaluations: int = Field(description="evaluations that were taken from a lost worker")
-    event_streams: int = Field(description="open event streams of this process")
 
 
 class HookList(BaseModel):

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from geoswarm.api.schemas.jobs import Model
+from geoswarm.api.schemas.responses import Model
 
 __all__ = ["AgsContents", "AgsEntry", "AgsProblem", "AgsReadings"]
 

@@ -7,7 +7,8 @@ from typing import Any, Literal
 from pydantic import Base64Bytes, BaseModel, Field
 
 from geoswarm.api.errors import KeyWords
-from geoswarm.api.schemas.jobs import Model, Number, Parameter, Series
+from geoswarm.api.schemas.responses import Model, Number
+from geoswarm.records.problem import Parameter, Series
 
 __all__ = [
     "DraftEstimate",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-from geoswarm.api.schemas.jobs import Number
+from geoswarm.api.schemas.responses import Number
 
 __all__ = ["MeshAnswer", "MeshFields"]
 

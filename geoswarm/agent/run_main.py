@@ -30,7 +30,6 @@ __all__ = ["BOOTSTRAP", "main"]
 
 BOOTSTRAP = child_program("geoswarm.agent.run_main", "sys.argv[1]")
 LOG_TAIL = 8192  # bytes
-LARGEST_LOG = 16 * 2**20  # bytes
 
 
 def main(given: Mapping[str, Any]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.residuals.distance import Distance
+from geoswarm.solver.residuals import Distance
 
 __all__ = ["Section", "fixed", "free", "linked", "observed", "series"]
 

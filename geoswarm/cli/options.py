@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from geoswarm.cli.words.error_messages import BadInputError
 
+if TYPE_CHECKING:
+    _ParamType = click.ParamType[float]
+else:
+    _ParamType = click.ParamType  # takes no type argument before click 8.4
+
 __all__ = [
+    "SPAN",
     "accept_option",
     "accepting",
     "api_key_option",
@@ -149,3 +156,24 @@ def connection_options(function: Decorated) -> Decorated:
     """Add ``--url`` and ``--api-key`` to a command that talks to a service."""
     decorated: Decorated = _url_option(api_key_option(function))
     return decorated
+
+
+_SECONDS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0, "w": 604800.0}
+_PATTERN = re.compile(r"(\d{1,9}(?:\.\d{1,9})?)([smhdw])")
+
+
+class _Span(_ParamType):
+    name = "span"
+
+    def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return seconds."""
+        if isinstance(value, float):
+            return value
+        match = _PATTERN.fullmatch(str(value).strip().lower())
+        if match is None:
+            self.fail(f"must be a number with s, m, h, d or w, for example 90d or 12h; got {value!r}", param, ctx)
+        return float(match[1]) * _SECONDS[match[2]]
+
+
+SPAN = _Span()
+"""Seconds, written as a number and a unit (second, minute, hour, day, week)."""

@@ -4,13 +4,10 @@
 ``_async``          :class:`AsyncClient`, the source
 ``_sync``           :class:`Client`, generated from it by ``scripts/generate_client.py``
 ``calls``           how requests are put together and answers are read, without any input or output
-``models``          frozen records that only the client has; those with arrays in ``points``, ``bodies``, those for
-                    administrators in ``administration``; all others in :mod:`geoswarm.records`
+``models``          frozen records that only the client has, some with arrays; all others are in :mod:`geoswarm.records`
 ``errors``          the tree of errors
 ``follow``          when to reconnect to an event stream, when to give up
 ``sse``             reads an event stream
-``administration``  records of operations, for administrators, and of the caller
-``bodies``          records of bodies: the mesh of an evaluation, what was measured on it, and how it moves
 ``points``          evaluations of a job as arrays, from the block of float32 that plots use
 ``files``           files that appear only when they are complete
 ==================  ===============================================================================================
@@ -20,8 +17,6 @@ from __future__ import annotations
 
 from geoswarm.client._async.client import AsyncClient
 from geoswarm.client._sync.client import Client
-from geoswarm.client.administration import Operations, Session
-from geoswarm.client.bodies import Displacement, Mesh, MeshFields, Phase
 from geoswarm.client.errors import (
     ConflictError,
     ConnectionFailedError,
@@ -35,28 +30,19 @@ from geoswarm.client.errors import (
     UnauthorizedError,
     WaitTimeoutError,
 )
-from geoswarm.client.models import (
-    CheckResult,
-    Figure,
-    ForwardModel,
-    ForwardModelInfo,
-    Health,
-    Parameter,
-    Report,
-    Series,
-    TestRun,
-    WarmStart,
-)
+from geoswarm.client.models import Displacement, Figure, Mesh, MeshFields, Phase, Report
 from geoswarm.client.points import PointParameter, Points, PointSeries
 from geoswarm.records.account import Hook, Key, NewHook, NewKey
 from geoswarm.records.evaluation import Attempt, Best, Evaluation, Response
 from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
-from geoswarm.records.history import Event, Generation
-from geoswarm.records.job import Job, Retry
+from geoswarm.records.job import Event, Generation, Job, Retry
+from geoswarm.records.problem import CheckResult, Parameter, Series, TestRun, WarmStart
+from geoswarm.records.problem import ForwardModelDetail as ForwardModel
+from geoswarm.records.problem import ForwardModelSummary as ForwardModelInfo
 from geoswarm.records.record import Page
+from geoswarm.records.service import Health, Operations, Session, Worker
 from geoswarm.records.statistics import ReweightAnswer, SeriesShare, StatisticsAnswer, WeightShare
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
-from geoswarm.records.worker import Worker
 
 __all__ = [
     "AsyncClient",

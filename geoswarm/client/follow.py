@@ -8,7 +8,7 @@ import httpx
 
 from geoswarm.client.errors import ConnectionFailedError, GeoswarmError, ServerError
 from geoswarm.client.sse import EventReader
-from geoswarm.records.history import Event
+from geoswarm.records.job import Event
 
 __all__ = ["Follower", "SilentStreamError", "pause_before"]
 

@@ -1,29 +1,13 @@
-"""Frozen records of the service's answers; fields as in the HTTP contract, units kN, m, day, degree.
-
-Fields that a newer service adds are ignored.
-"""
+"""Frozen records of the answers that only the client reads: reports, figures, and the body of an evaluation."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from html import escape
-from typing import Any
 
-from geoswarm.records.evaluation import Response
-from geoswarm.records.statistics import WeightShare
+from geoswarm.records.arrays import Floats, Integers
 
-__all__ = [
-    "CheckResult",
-    "Figure",
-    "ForwardModel",
-    "ForwardModelInfo",
-    "Health",
-    "Parameter",
-    "Report",
-    "Series",
-    "TestRun",
-    "WarmStart",
-]
+__all__ = ["Displacement", "Figure", "Mesh", "MeshFields", "Phase", "Report"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,120 +39,101 @@ class Figure:
 
 
 @dataclass(frozen=True, slots=True)
-class TestRun:
-    """One forward calculation to test a problem; ``reason`` and ``message`` when it failed."""
+class Phase:
+    """What happens to a body; ``end`` [day since the zero of time], None long before it."""
 
-    __test__ = False
-
-    state: str
-    parameters: dict[str, float]
-    objective: float | None
-    misfits: dict[str, float | None]
-    seconds: float
-    reason: str | None
-    message: str | None
-    responses: dict[str, Response] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class WarmStart:
-    """An earlier job with the same forward model: ``warm_start: {jobs: [ID]}`` offers its runs to the search."""
-
-    job: str
     name: str
-    evaluations: int
+    kind: str
+    end: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class CheckResult:
-    """What a valid problem will run and cost; ``estimated_seconds`` is for one worker.
+@dataclass(frozen=True, slots=True, eq=False)
+class Displacement:
+    """Displacement of an observed point between two times [day].
 
-    Of ``planned_evaluations`` the search leaves ``left_to_answer`` for minimum and intervals.
-    ``notes`` list how the readings were processed, by series; ``assumptions``, what the forward model assumes where the
-    problem says nothing; ``shares``, what the weights make of each series.
+    Attributes
+    ----------
+    name
+        Of the survey, or ``last readings`` of series over time.
+    x, y
+        Place of the point in the undeformed mesh [m].
+    measured, calculated
+        Shape (2,), ux and uy [m]; NaN: not measured.
     """
 
-    valid: bool
     name: str
-    forward_model: str
-    method: str
-    free_parameters: list[str]
-    data_points: int
-    planned_evaluations: int | None
-    test_run: TestRun
-    estimated_seconds: float | None
-    warnings: list[str]
-    warm_starts: list[WarmStart]
-    notes: dict[str, list[str]] = field(default_factory=dict)
-    assumptions: list[str] = field(default_factory=list)
-    left_to_answer: int | None = None
-    shares: list[WeightShare] = field(default_factory=list)
+    point: str
+    x: float
+    y: float
+    start: float
+    end: float
+    measured: Floats
+    calculated: Floats
 
 
-@dataclass(frozen=True, slots=True)
-class ForwardModelInfo:
-    """A kind of forward model; ``model`` names a registered model, None for all other kinds."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """The mesh of an evaluation, undeformed, and the displacements of its observed points.
 
-    kind: str
-    description: str
-    model: str | None = None
+    Attributes
+    ----------
+    part, parts
+        Of a combined model, else empty; the parts that have a mesh.
+    generation, particle
+        Of the evaluation; None: none yet, the mesh is that of the nominal geometry.
+    nodes
+        Shape (n, 2), x and y [m].
+    triangles
+        Shape (m, 6): nodes at the corners 0, 1, 2, then in the middle of 01, 12 and 20.
+    regions
+        Shape (m,): place in ``region_names`` of each triangle.
+    interfaces
+        Shape (i, 6): start, end and middle of side A, then of side B.
+    points
+        Nodes of named points.
+    start, end
+        Phases at whose ends the usual period begins and ends; None: before the first.
+    """
 
+    part: str
+    parts: list[str]
+    generation: int | None
+    particle: int | None
+    objective: float | None
+    objective_unit: str
+    parameters: dict[str, float]
+    nodes: Floats
+    triangles: Integers
+    regions: Integers
+    region_names: list[str]
+    interfaces: Integers
+    points: dict[str, int]
+    phases: list[Phase]
+    start: str | None
+    end: str
+    vectors: list[Displacement]
 
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """A parameter of a forward model; if ``default`` is None, the problem must give it."""
-
-    name: str
-    symbol: str
-    unit: str
-    description: str
-    default: float | None
-    lower: float | None
-    upper: float | None
-    lower_open: bool
-    upper_open: bool
-    typical: tuple[float, float] | None
-    source: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Series:
-    """An output of a forward model: y over x, in base units."""
-
-    name: str
-    description: str
-    x_quantity: str
-    x_unit: str
-    y_quantity: str
-    y_unit: str
-    x_lower: float | None
-    x_upper: float | None
-    x_integer: bool
-    x_increasing: bool
-
-
-@dataclass(frozen=True, slots=True)
-class ForwardModel:
-    """A kind of forward model in full; with ``depends_on_section`` the lists are those of ``example``."""
-
-    kind: str
-    description: str
-    json_schema: dict[str, Any]
-    example: dict[str, Any] | None
-    depends_on_section: bool
-    note: str | None
-    parameters: list[Parameter]
-    series: list[Series]
+    def __post_init__(self) -> None:
+        """Give an empty list of interfaces its shape."""
+        if self.interfaces.size == 0:
+            object.__setattr__(self, "interfaces", self.interfaces.reshape(0, 6))
 
 
-@dataclass(frozen=True, slots=True)
-class Health:
-    """Whether the service can work; ``dependencies`` are ok, embedded, or say why they cannot be used."""
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshFields:
+    """How a body moves between the ends of two phases.
 
-    status: str
-    dependencies: dict[str, str]
+    Attributes
+    ----------
+    displacement
+        Shape (n, 2), ux and uy of every node [m].
+    shear_strain
+        Shape (m, 6): largest shear strain in the plane at the nodes of every triangle [-].
+    """
 
-    @property
-    def ok(self) -> bool:
-        """Whether all that the service needs can be reached."""
-        return self.status == "ok"
+    start: str | None
+    end: str
+    generation: int | None
+    particle: int | None
+    displacement: Floats
+    shear_strain: Floats

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 
-from geoswarm.records.history import Event
+from geoswarm.records.job import Event
 
 __all__ = ["EventReader"]
 

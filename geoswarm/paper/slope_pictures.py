@@ -52,7 +52,7 @@ def slope_pictures(problem: Problem, values: Mapping[str, float]) -> dict[str, P
         "vectors": Picture(
             vectors_figure("Displacements in three years", mesh, points, vectors),
             "Displacement vectors of the points, measured (synthetic) against calculated.",
-            vectors_rows(points, vectors, "m"),
+            vectors_rows(points, vectors),
         ),
         "profiles": Picture(
             profile_figure("Three years of the survey", profiles, unit="cm"),

@@ -6,7 +6,7 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ===============  ==========================================================================
 ``record``       how a record is written; one page of a listing
 ``states``       states of jobs, evaluations and keys
-``job``          a job
+``job``          a job, what happens to it: events, and the cycles of its search
 ``evaluation``   one forward calculation, its attempts, its columns in tables, the best one
 ``fit``          measured points with what was calculated there
 ``remedy``       what to do about a finding
@@ -14,8 +14,8 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``uncertainty``  what its follow-ups have found, a sample of the posterior
 ``arrays``       how arrays are read and written
 ``progress``     how far a job is within its generation, and what its follow-ups would cost
-``worker``       processes that run forward calculations
 ``account``      what an owner sets up in a service: API keys with their roles, hooks
-``history``      what happens to a job: events, and the cycles of its search
+``service``      the service itself: its health and workers, what it has to do, and who asks
+``problem``      what a check of a problem says, and what forward models have
 ===============  ==========================================================================
 """

@@ -12,7 +12,7 @@ from geoswarm.solver.ags.shear_strength import ShearTest, shear_tests, strength_
 from geoswarm.solver.ags.specimens import KEYS, Specimen, ids_of
 from geoswarm.solver.ags.tables import AgsError, AgsFile
 from geoswarm.solver.ags.triaxial import no_test
-from geoswarm.solver.classical.curves import NoEvaluationError
+from geoswarm.solver.parameter_estimates.values import NoEvaluationError
 from geoswarm.solver.words import did_you_mean, number, visible
 
 __all__ = ["Contents", "Entry", "chosen", "contents_of", "entries", "picked", "strength_in_words"]

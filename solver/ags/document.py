@@ -19,10 +19,10 @@ from geoswarm.solver.ags.shear_strength import ShearTest
 from geoswarm.solver.ags.tables import AgsError
 from geoswarm.solver.ags.triaxial import least_modulus, triaxial_parts
 from geoswarm.solver.ags.wishes import Asked, Wishes
-from geoswarm.solver.estimates.usual import ordered
 from geoswarm.solver.external.pest_control.names import new_name, word
 from geoswarm.solver.forward.registry import find_spec, parse_spec
 from geoswarm.solver.laws.registry import UnknownLawError, find_law
+from geoswarm.solver.parameter_estimates.proposal import ordered
 from geoswarm.solver.problem.issues import issues_of
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from geoswarm.solver.ags.tables import AgsError
-from geoswarm.solver.estimates.usual import is_wide, usual_section, wanted
+from geoswarm.solver.parameter_estimates.proposal import is_wide, usual_section, wanted
 
 if TYPE_CHECKING:
     from geoswarm.solver.laws.base import Law

@@ -11,8 +11,8 @@ from typing import Literal, TypeAlias
 
 from geoswarm.solver.ags.specimens import Specimen, details_of, specimen_of, without_test
 from geoswarm.solver.ags.tables import AgsError, AgsFile, AgsGroup, AgsRow
-from geoswarm.solver.classical.curves import NoEvaluationError
-from geoswarm.solver.classical.mohr_circles import Strength, mohr_circles
+from geoswarm.solver.parameter_estimates.mohr_circles import FailureLine, mohr_circles
+from geoswarm.solver.parameter_estimates.values import NoEvaluationError
 
 __all__ = ["Failure", "ShearTest", "shear_tests", "strength_of"]
 
@@ -105,7 +105,7 @@ def shear_tests(file: AgsFile) -> tuple[list[ShearTest], list[tuple[Specimen, st
     return tests, without
 
 
-def strength_of(tests: Sequence[ShearTest]) -> Strength:
+def strength_of(tests: Sequence[ShearTest]) -> FailureLine:
     """Lay a line along the circles of some tests; raises NoEvaluationError where there is none."""
     circles = [
         (one.smaller + one.deviator_stress, one.smaller)

@@ -19,10 +19,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.forward.base import in_unit
 from geoswarm.solver.laboratory.section import Part
 from geoswarm.solver.sentences import SentenceError, setting
+from geoswarm.solver.units import WATER
 
 __all__ = ["DrainsSection", "Taken", "equal_strain", "influence"]
 

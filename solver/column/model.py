@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.column.drains import Taken
 from geoswarm.solver.column.readings import Readings
 from geoswarm.solver.column.rest import GroundAtRest
@@ -28,6 +27,7 @@ from geoswarm.solver.laws.base import Soil
 from geoswarm.solver.laws.initial_state import horizontal_stress
 from geoswarm.solver.laws.sources import HANSBO, HOLTZ, TERZAGHI
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
+from geoswarm.solver.units import WATER
 from geoswarm.solver.user_laws.law import UserLaw
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.constant_rate import WATER
+from geoswarm.solver.units import WATER
 
 __all__ = ["GroundAtRest"]
 

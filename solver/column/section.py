@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -12,12 +12,12 @@ from pydantic import Field, model_validator
 from geoswarm.solver.column.drains import DrainsSection
 from geoswarm.solver.column.model import ColumnModel
 from geoswarm.solver.column.rest import GroundAtRest
-from geoswarm.solver.correlations.properties import IndexProperties
-from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
 from geoswarm.solver.forward.fields import Geometry, LawSettings, StepError, require_stage
 from geoswarm.solver.forward.staged_section import MAX_DURATION, MAX_STAGES, MAX_STRESS
+from geoswarm.solver.index_properties import IndexProperties, IndexSection
 from geoswarm.solver.laboratory.section import Loading, Part, ratio_fault, settings_fault
+from geoswarm.solver.section import Name
 from geoswarm.solver.sketches.declared import Drains, Ground, Layer, Load, Sketch
 from geoswarm.solver.sketches.stages import load_panel
 from geoswarm.solver.user_laws.material import LawChoice, law_of
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["ColumnSpec", "LayerSection", "SoilSection"]
 
 _DEEPEST = 1.0e3
-_Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)]
 
 
 class SoilSection(Part):
@@ -139,14 +138,14 @@ class ColumnSpec(ForwardModelSpec):
     consolidates: ClassVar[bool] = True
 
     kind: Literal["column"] = "column"
-    soils: dict[_Name, SoilSection] = Field(min_length=1, max_length=100, description="Soils by a name of your choice.")
+    soils: dict[Name, SoilSection] = Field(min_length=1, max_length=100, description="Soils by a name of your choice.")
     layers: tuple[LayerSection, ...] = Field(
         min_length=1, max_length=200, description="Layers from the ground surface downwards."
     )
     stages: tuple[ColumnStage, ...] = Field(
         min_length=1, max_length=MAX_STAGES, description="Loads on the ground surface, in their order."
     )
-    points: dict[_Name, ColumnPoint] = Field(
+    points: dict[Name, ColumnPoint] = Field(
         default={}, max_length=500, description="Settlement plates and piezometers by a name of your choice."
     )
     zero_at_stage: int = Field(1, ge=1, description="Stage just before which time and settlements are zero.")

@@ -10,8 +10,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.element_test.boundary_conditions import Stage
 from geoswarm.solver.element_test.load_paths import LoadPath, PointState, follow_load_path, point_under
-from geoswarm.solver.laws.base import Soil
-from geoswarm.solver.stress_measures import mean_and_squared_q
+from geoswarm.solver.laws.base import Soil, mean_and_squared_q
 
 __all__ = ["History", "PointState", "follow", "point_under"]
 

@@ -17,8 +17,8 @@ from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.parameter_info import ParameterInfo
 
 if TYPE_CHECKING:
-    from geoswarm.solver.correlations.properties import IndexProperties
     from geoswarm.solver.forward.diagram import Diagram
+    from geoswarm.solver.index_properties import IndexProperties
     from geoswarm.solver.sketches.declared import Sketch
     from geoswarm.solver.user_laws.section import UserLawSection
 

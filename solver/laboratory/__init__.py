@@ -7,11 +7,10 @@
 ``pace``           parts of sections: stages of shearing, how fast they go
 ``model``          what the forward models of all tests share, of tests with flow, and of shear tests
 ``record``         a calculated test: consolidation, shearing, pore water
-``shear_stages``   stages of shearing as load paths of a material point
+``shear_stages``   stages of shearing as load paths of a material point, and how they are drawn
 ``shear_axes``     what series run over
 ``series``         how values of a series are picked from a calculated test
 ``quantities``     what is measured
 ``water_flow``     the permeability, and what is measured of a column of points
-``shear_drawing``  what sheared tests draw alike: the diagram of the shear modulus, and what their sketches share
 =================  =================================================================================================
 """

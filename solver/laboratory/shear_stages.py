@@ -7,19 +7,31 @@ the shear strain or the shear stress of a simple shear test.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 import numpy as np
+from pydantic import BaseModel
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import InfeasibleError
+from geoswarm.solver.forward.diagram import Derived, Diagram
 
 if TYPE_CHECKING:
     from geoswarm.solver.element_test.load_paths import LoadPath, PointState
 
-__all__ = ["Axes", "Control", "Drainage", "ShearStage", "shear_leg", "value_led"]
+__all__ = [
+    "Axes",
+    "Control",
+    "Drainage",
+    "ShearStage",
+    "is_timed",
+    "over_strain",
+    "shear_leg",
+    "shear_modulus_diagram",
+    "value_led",
+]
 
 Control: TypeAlias = Literal["strain", "stress"]
 """Whether the strain or the stress of a test is led."""
@@ -161,3 +173,32 @@ def shear_leg(
     if stage.rate is not None:
         duration = abs(target - now) / stage.rate
     return LoadPath(stage.name, stress_rows, strain_rows, goal, duration, hold=stage.hold)
+
+
+_SMALL: Final = 1.0e-3
+"""Shear strain: where none as small was read, the diagram shows less than the curve of stress over strain."""
+
+
+def over_strain(stress: FloatArray, strain: FloatArray) -> FloatArray:
+    """Stress over strain, (m,); nan without strain."""
+    found: FloatArray = np.divide(stress, strain, out=np.full(np.shape(strain), np.nan), where=np.abs(strain) > 0.0)
+    return found
+
+
+def shear_modulus_diagram(series: str, derived: tuple[Derived, ...]) -> Diagram:
+    """Secant shear modulus, a series of this name, over ``shear_strain``; ``derived``: by what it is found else."""
+    caption = (
+        "Secant shear modulus since the beginning of shearing over the logarithm of the shear strain; where it was not "
+        "read itself, from stress and strain."
+    )
+    return Diagram(
+        "shear_modulus", "Shear modulus", caption, "shear_strain", series, log=True, small=_SMALL, derived=derived
+    )
+
+
+_PACES = ("duration", "rate", "period")
+
+
+def is_timed(stages: Sequence[BaseModel]) -> bool:
+    """Whether all stages of shearing say how long they take."""
+    return all(any(getattr(stage, name, None) is not None for name in _PACES) for stage in stages)

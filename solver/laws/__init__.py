@@ -7,7 +7,7 @@
 ``perfect_plasticity``    Mohr-Coulomb, Drucker-Prager, Matsuoka-Nakai
 ``hardening_soil``        hardening soil: shear surface and cap
 ``modified_cam_clay``     modified Cam clay
-``soft_soil_creep``       soft soil creep
+``soft_soil_creep``       soft soil creep, and soft soil, the same without creep
 ``hypoplasticity``        clay and sand, with intergranular strain
 ``libraries``             user routines of Abaqus and behaviours of MFront
 ``usual_parameters``      parameters that many laws share, and what they demand of each other
@@ -19,7 +19,6 @@
 ``sources``               where the usual ranges of parameters come from: publications, and what is said where there is
                           none
 ``terms``                 how parameters of a law translate into the terms of laboratories, and back
-``soft_soil``             soft soil creep without creep
 ========================  ==============================================================================================
 
 The physics of a law is in :mod:`geoswarm.solver.constitutive`.

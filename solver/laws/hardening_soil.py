@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -23,11 +24,14 @@ from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlace
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.hardening_soil_terms import HARDENING_SOIL_TERMS
 from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF
-from geoswarm.solver.laws.sources import BJERRUM, BOLTON, BRINKGREVE_SAND, DUNCAN, PLAXIS, TERZAGHI, VON_SOOS
+from geoswarm.solver.laws.sources import BRINKGREVE_SAND, DUNCAN, PLAXIS, TERZAGHI, VON_SOOS
 from geoswarm.solver.laws.terms import Term
 from geoswarm.solver.laws.usual_parameters import (
+    DILATANCY,
+    angle,
     cohesion,
     normal_K0,
+    overconsolidation,
     pre_overburden,
     too_dilatant,
     two_pasts,
@@ -91,30 +95,15 @@ _PARAMETERS = (
         source=f"{PLAXIS}: 100 kPa",
     ),
     cohesion(30.0),
-    ParameterInfo(
+    angle(
         "phi",
         "φ",
-        "degree",
         "Effective friction angle.",
-        lower=0.0,
-        upper=90.0,
+        (20.0, 42.0),
+        f"{TERZAGHI}, article 19 (clays to dense sands)",
         lower_open=True,
-        upper_open=True,
-        typical=(20.0, 42.0),
-        source=f"{TERZAGHI}, article 19 (clays to dense sands)",
     ),
-    ParameterInfo(
-        "psi",
-        "ψ",
-        "degree",
-        "Dilatancy angle at failure, at most phi.",
-        default=0.0,
-        lower=0.0,
-        upper=90.0,
-        upper_open=True,
-        typical=(0.0, 15.0),
-        source=BOLTON,
-    ),
+    replace(DILATANCY, description="Dilatancy angle at failure, at most phi."),
     ParameterInfo(
         "R_f",
         "R_f",
@@ -129,16 +118,7 @@ _PARAMETERS = (
         source=DUNCAN,
     ),
     normal_K0(0.35, 0.7),
-    ParameterInfo(
-        "OCR",
-        "OCR",
-        "",
-        "Initial overconsolidation ratio (p_p + a)/(p_eq + a) of the model, a = c cot(phi).",
-        default=1.0,
-        lower=1.0,
-        typical=(1.0, 4.0),
-        source=BJERRUM,
-    ),
+    overconsolidation("Initial overconsolidation ratio (p_p + a)/(p_eq + a) of the model, a = c cot(phi)."),
     pre_overburden(100.0),
 )
 

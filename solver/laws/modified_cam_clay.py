@@ -11,13 +11,12 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.cam_clay import cam_clay_step
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.laws.base import Law, Setting, StateVariable
+from geoswarm.solver.laws.base import Law, Setting, StateVariable, mean_and_squared_q
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
-from geoswarm.solver.laws.sources import BJERRUM, BOWLES, KULHAWY, SCHOFIELD, TERZAGHI, WOOD
+from geoswarm.solver.laws.sources import BOWLES, KULHAWY, SCHOFIELD, TERZAGHI, WOOD
 from geoswarm.solver.laws.terms import LN10, Term, oedometric, same
-from geoswarm.solver.laws.usual_parameters import pre_overburden
+from geoswarm.solver.laws.usual_parameters import angle, overconsolidation, pre_overburden
 from geoswarm.solver.parameter_info import ParameterInfo
-from geoswarm.solver.stress_measures import mean_and_squared_q
 
 __all__ = ["ModifiedCamClay"]
 
@@ -71,17 +70,13 @@ _PARAMETERS = (
         typical=(0.7, 1.6),
         source=f"{WOOD}: 6 sin(phi)/(3 - sin(phi))",
     ),
-    ParameterInfo(
+    angle(
         "phi_cs",
         "φ_cs",
-        "degree",
         "Friction angle of the critical state in triaxial compression, M = 6 sin(phi)/(3 - sin(phi)); or give M.",
+        (18.0, 40.0),
+        WOOD,
         default=0.0,
-        lower=0.0,
-        upper=90.0,
-        upper_open=True,
-        typical=(18.0, 40.0),
-        source=WOOD,
     ),
     ParameterInfo(
         "lambda",
@@ -145,16 +140,7 @@ _PARAMETERS = (
         typical=(1.5, 5.0),
         source=SCHOFIELD,
     ),
-    ParameterInfo(
-        "OCR",
-        "OCR",
-        "",
-        "Initial overconsolidation ratio p_c/(p + q^2/(M^2 p)).",
-        default=1.0,
-        lower=1.0,
-        typical=(1.0, 4.0),
-        source=BJERRUM,
-    ),
+    overconsolidation("Initial overconsolidation ratio p_c/(p + q^2/(M^2 p))."),
     pre_overburden(100.0),
     ParameterInfo(
         "p_c",

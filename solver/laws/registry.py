@@ -30,15 +30,15 @@ log = logging.getLogger(__name__)
 GROUP = "geoswarm.laws"
 BUILT_IN = {
     "elastic": "geoswarm.solver.laws.elastic:Elastic",
-    "drucker_prager": "geoswarm.solver.laws.perfect_plasticity.drucker_prager:DruckerPrager",
+    "drucker_prager": "geoswarm.solver.laws.perfect_plasticity.smooth_cones:DruckerPrager",
     "hardening_soil": "geoswarm.solver.laws.hardening_soil:HardeningSoilLaw",
     "hardening_soil_small": "geoswarm.solver.laws.hardening_soil_small:HardeningSoilSmallLaw",
     "hypoplastic_clay": "geoswarm.solver.laws.hypoplasticity.clay:HypoplasticClay",
     "hypoplastic_sand": "geoswarm.solver.laws.hypoplasticity.sand:HypoplasticSand",
-    "matsuoka_nakai": "geoswarm.solver.laws.perfect_plasticity.matsuoka_nakai:MatsuokaNakai",
+    "matsuoka_nakai": "geoswarm.solver.laws.perfect_plasticity.smooth_cones:MatsuokaNakai",
     "modified_cam_clay": "geoswarm.solver.laws.modified_cam_clay:ModifiedCamClay",
     "mohr_coulomb": "geoswarm.solver.laws.perfect_plasticity.mohr_coulomb:MohrCoulomb",
-    "soft_soil": "geoswarm.solver.laws.soft_soil:SoftSoilLaw",
+    "soft_soil": "geoswarm.solver.laws.soft_soil_creep:SoftSoilLaw",
     "soft_soil_creep": "geoswarm.solver.laws.soft_soil_creep:SoftSoilCreepLaw",
 }
 """Where the built-in laws are, by kind."""

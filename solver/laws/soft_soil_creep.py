@@ -1,4 +1,4 @@
-"""Soft soil creep as a law: the physics is in :mod:`geoswarm.solver.constitutive.soft_soil_creep.physics`."""
+"""The soft soil creep model as a law, and the soft soil model: the same kernels without creep."""
 
 from __future__ import annotations
 
@@ -13,28 +13,38 @@ from geoswarm.solver.constitutive.soft_soil_creep.physics import (
     Formulation,
     SoftSoilCreep,
     friction_constant,
+    soft_soil,
     soft_soil_creep,
 )
 from geoswarm.solver.constitutive.soft_soil_creep.step import soft_soil_step
 from geoswarm.solver.errors import InfeasibleError
-from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces
+from geoswarm.solver.laws.base import Law, Setting, StateVariable, StrengthPlaces, mean_and_squared_q
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.perfect_plasticity.mohr_coulomb import TENSION_CUTOFF
-from geoswarm.solver.laws.sources import BJERRUM, BRINKGREVE, MESRI_CREEP, PLAXIS, TERZAGHI
+from geoswarm.solver.laws.sources import BRINKGREVE, MESRI_CREEP, PLAXIS, TERZAGHI
 from geoswarm.solver.laws.terms import COHESION, FRICTION, LN10, Term, oedometric, same
 from geoswarm.solver.laws.usual_parameters import (
     DILATANCY,
+    angle,
     cohesion,
     normal_K0,
+    overconsolidation,
     pre_overburden,
     too_dilatant,
     two_pasts,
     unloading_poisson,
 )
 from geoswarm.solver.parameter_info import ParameterInfo
-from geoswarm.solver.stress_measures import mean_and_squared_q
 
-__all__ = ["PARAMETERS", "SOFT_SOIL_TERMS", "SoftSoilCreepLaw", "creep_constants", "creep_soil", "equivalent_pressures"]
+__all__ = [
+    "PARAMETERS",
+    "SOFT_SOIL_TERMS",
+    "SoftSoilCreepLaw",
+    "SoftSoilLaw",
+    "creep_constants",
+    "creep_soil",
+    "equivalent_pressures",
+]
 
 _OCR, _POP = 16, 17
 """Where the constants hold the initial preconsolidation, after those of the kernels."""
@@ -103,17 +113,13 @@ PARAMETERS = (
         source=MESRI_CREEP,
     ),
     cohesion(50.0),
-    ParameterInfo(
+    angle(
         "phi",
         "φ",
-        "degree",
         "Effective friction angle; 0 is refused.",
-        lower=0.0,
-        upper=90.0,
+        (15.0, 35.0),
+        f"{TERZAGHI}, article 19 (clays)",
         lower_open=True,
-        upper_open=True,
-        typical=(15.0, 35.0),
-        source=f"{TERZAGHI}, article 19 (clays)",
     ),
     DILATANCY,
     unloading_poisson(0.15, 0.1, 0.2),
@@ -128,17 +134,10 @@ PARAMETERS = (
         typical=(0.8, 1.8),
         source=BRINKGREVE,
     ),
-    ParameterInfo(
-        "OCR",
-        "OCR",
-        "",
+    overconsolidation(
         "Initial overconsolidation ratio p_p/p_eq of the model; without cohesion that of the vertical stress. "
         "Translated, both hold a = c cot(phi): with p = a = 20 kPa, OCR = 2 is a preconsolidation stress of "
-        "2 (p + a) - a = 60 kPa. POP counts stresses as they are.",
-        default=1.0,
-        lower=1.0,
-        typical=(1.0, 4.0),
-        source=BJERRUM,
+        "2 (p + a) - a = 60 kPa. POP counts stresses as they are."
     ),
     pre_overburden(50.0),
 )
@@ -291,3 +290,38 @@ def equivalent_pressures(stress: FloatArray, soil: SoftSoilCreep) -> FloatArray:
     x = np.maximum(p + soil.shift, soil.pressure_floor)
     pressure: FloatArray = x + q2 / (soil.M**2 * (x + soil.extra))
     return pressure
+
+
+class SoftSoilLaw(SoftSoilCreepLaw):
+    """Soft soil (Brinkgreve 1994; Vermeer & Neher 1999 without creep); constants as of soft soil creep with mu* = 0."""
+
+    kind: ClassVar[str] = "soft_soil"
+    title: ClassVar[str] = "soft soil"
+    parameters: ClassVar[tuple[ParameterInfo, ...]] = tuple(info for info in PARAMETERS if info.name != "mu_star")
+    terms: ClassVar[tuple[Term, ...]] = SOFT_SOIL_TERMS
+
+    def kernel_constants(
+        self, given: Mapping[str, float], formulation: Formulation, tension_cutoff: float | None
+    ) -> SoftSoilCreep:
+        """Constants of the kernels from parameters by name; raises as :meth:`constants`."""
+        return soft_soil(
+            given["lambda_star"],
+            given["kappa_star"],
+            given["c"],
+            given["phi"],
+            given.get("psi", 0.0),
+            given.get("nu_ur", 0.15),
+            given.get("K0nc") or None,
+            given.get("M") or None,
+            formulation=formulation,
+            tension_cutoff=tension_cutoff,
+        )
+
+    @property
+    def depends_on_time(self) -> bool:
+        """Time has no effect."""
+        return False
+
+    def log_time_scale(self, stress: FloatArray, state: FloatArray, constants: FloatArray) -> None:
+        """Time has no effect."""
+        del stress, state, constants

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from geoswarm.solver.laws.sources import BOLTON, JAKY, MESRI_COHESION, OVERBURDEN, PLAXIS
+from typing import Any
+
+from geoswarm.solver.laws.sources import BJERRUM, BOLTON, JAKY, MESRI_COHESION, OVERBURDEN, PLAXIS
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = [
     "DILATANCY",
+    "angle",
     "cohesion",
     "critical_friction",
     "normal_K0",
+    "overconsolidation",
     "pre_overburden",
     "too_dilatant",
     "two_pasts",
@@ -17,18 +21,22 @@ __all__ = [
 ]
 
 
-DILATANCY = ParameterInfo(
-    "psi",
-    "ψ",
-    "degree",
-    "Dilatancy angle, at most phi.",
-    default=0.0,
-    lower=0.0,
-    upper=90.0,
-    upper_open=True,
-    typical=(0.0, 15.0),
-    source=BOLTON,
-)
+def angle(
+    name: str,
+    symbol: str,
+    description: str,
+    typical: tuple[float, float],
+    source: str,
+    *,
+    default: float | None = None,
+    lower_open: bool = False,
+) -> ParameterInfo:
+    """An angle below 90 degree."""
+    limits: dict[str, Any] = {"lower": 0.0, "upper": 90.0, "lower_open": lower_open, "upper_open": True}
+    return ParameterInfo(name, symbol, "degree", description, default, typical=typical, source=source, **limits)
+
+
+DILATANCY = angle("psi", "ψ", "Dilatancy angle, at most phi.", (0.0, 15.0), BOLTON, default=0.0)
 
 
 def cohesion(highest: float) -> ParameterInfo:
@@ -86,18 +94,12 @@ def pre_overburden(highest: float) -> ParameterInfo:
 
 def critical_friction(lowest: float, highest: float, source: str) -> ParameterInfo:
     """phi_c, usual between two angles, degree, by a source."""
-    return ParameterInfo(
-        "phi_c",
-        "φ_c",
-        "degree",
-        "Critical friction angle.",
-        lower=0.0,
-        upper=90.0,
-        lower_open=True,
-        upper_open=True,
-        typical=(lowest, highest),
-        source=source,
-    )
+    return angle("phi_c", "φ_c", "Critical friction angle.", (lowest, highest), source, lower_open=True)
+
+
+def overconsolidation(description: str) -> ParameterInfo:
+    """OCR, with what it compares."""
+    return ParameterInfo("OCR", "OCR", "", description, default=1.0, lower=1.0, typical=(1.0, 4.0), source=BJERRUM)
 
 
 def too_dilatant(phi: float | None, psi: float) -> str | None:

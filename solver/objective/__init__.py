@@ -9,15 +9,10 @@ from geoswarm.solver.objective.least_squares import (
     PseudoReadings,
     counted_in_order,
 )
-from geoswarm.solver.residuals.loss import OUTLYING, TUNING, Loss, LossKind
 
 __all__ = [
     "LEAST_SLOPE",
-    "OUTLYING",
-    "TUNING",
     "LeastSquares",
-    "Loss",
-    "LossKind",
     "ObservedSeries",
     "PseudoReadings",
     "counted_in_order",

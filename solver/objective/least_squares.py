@@ -3,8 +3,8 @@
     f(x) = sum_g w_g f'_g(x)                                                (1)
     f'_g(x) = (1/m) sum_h w_h (y_calc[h, g](x) - y_meas[h, g])^2            (2)
 
-The residual y_calc - y_meas may be a distance from the calculated curve (:mod:`geoswarm.solver.residuals.distance`). A
-series with a robust loss has c^2 rho(w_h r^2 / c^2) for its square (:mod:`geoswarm.solver.residuals.loss`).
+The residual y_calc - y_meas may be a distance from the calculated curve (:mod:`geoswarm.solver.residuals`). A series
+with a robust loss has c^2 rho(w_h r^2 / c^2) for its square.
 
 Always minimised. Source: Meier et al. (2008), equations (1) and (2).
 """
@@ -19,8 +19,7 @@ import numpy.typing as npt
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import BadOutputError, NotFiniteError
-from geoswarm.solver.residuals.distance import CurveScale, residuals_of
-from geoswarm.solver.residuals.loss import Loss
+from geoswarm.solver.residuals import CurveScale, Loss, residuals_of
 
 __all__ = ["LEAST_SLOPE", "LeastSquares", "ObservedSeries", "PseudoReadings"]
 

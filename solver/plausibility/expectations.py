@@ -10,7 +10,7 @@ from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import with_unit
 
 if TYPE_CHECKING:
-    from geoswarm.solver.estimates.index import ParameterEstimate
+    from geoswarm.solver.parameter_estimates.index import ParameterEstimate
 
 __all__ = ["unexpected_bounds"]
 
@@ -28,11 +28,13 @@ def unexpected_bounds(problem: Problem) -> Iterator[Sentence]:
         part.index_properties_of_soils for part in problem.forward_model.by_part().values()
     ):
         return
-    from geoswarm.solver.estimates.index import estimates_of  # with Numba, for which a formula should not wait
+    from geoswarm.solver.parameter_estimates.index import (
+        estimates_of,  # with Numba, for which a formula should not wait
+    )
 
     by_name: dict[str, list[ParameterEstimate]] = {}
     for one in estimates_of(problem):
-        if not one.told.outside:
+        if not one.correlated.outside:
             by_name.setdefault(one.parameter, []).append(one)
     for name, estimates in by_name.items():
         parameter = problem.parameters.get(name)
@@ -47,7 +49,7 @@ def _sentence(name: str, parameter: FreeParameter, estimates: list[ParameterEsti
         return
     end, bound = ("upper", parameter.upper) if low > parameter.upper else ("lower", parameter.lower)
     expected = f"{float(f'{low:.2g}'):g} to {with_unit(float(f'{high:.2g}'), estimates[0].unit)}"
-    sources = "; ".join(dict.fromkeys(one.told.correlation.authors for one in estimates))
+    sources = "; ".join(dict.fromkeys(one.correlated.correlation.authors for one in estimates))
     path = f"parameters.{name}.{end}"
     yield (
         Key(path, path),

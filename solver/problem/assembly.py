@@ -11,12 +11,12 @@ from typing import Any, TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.errors import ExpressionError, Issue, ProblemError, SolverError
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec
 from geoswarm.solver.forward.formula import FormulaModel
 from geoswarm.solver.forward.registry import PROGRAMS_REFUSED, built, find_spec, parse_spec
+from geoswarm.solver.index_properties import IndexSection
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.registry import UnknownMethodError, find_method, kinds
 from geoswarm.solver.problem.checks.extremes import extreme_issues

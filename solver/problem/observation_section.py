@@ -13,8 +13,7 @@ from geoswarm.solver.problem.readings.zero import ZeroReading
 from geoswarm.solver.problem.tables.dates import DateForm, moment_in
 from geoswarm.solver.problem.tables.headings import known_unit
 from geoswarm.solver.problem.tables.numerals import DecimalSign
-from geoswarm.solver.residuals.distance import Distance
-from geoswarm.solver.residuals.loss import LossKind
+from geoswarm.solver.residuals import Distance, LossKind
 from geoswarm.solver.section import Section
 from geoswarm.solver.sentences import SentenceError, setting
 from geoswarm.solver.units import UnitError, base_unit

@@ -18,8 +18,7 @@ from geoswarm.solver.problem.points import Points
 from geoswarm.solver.problem.readings.selection import SELECTION, chosen_points
 from geoswarm.solver.problem.readings.units import unit_of_axis
 from geoswarm.solver.problem.stages import same_x_remedy, stage_times
-from geoswarm.solver.residuals.distance import CurveScale, residuals_of
-from geoswarm.solver.residuals.loss import TUNING, Loss
+from geoswarm.solver.residuals import TUNING, CurveScale, Loss, residuals_of
 from geoswarm.solver.sentences import Key, Sentence, setting
 from geoswarm.solver.units import UnitError, convert, meant_unit, shown_unit
 from geoswarm.solver.words import did_you_mean

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.expressions import Expression
 from geoswarm.solver.forward.base import ForwardModel, ForwardModelSpec, ParameterInfo
+from geoswarm.solver.index_properties import IndexSection
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.problem.observations import Observation
 from geoswarm.solver.problem.parameters import (

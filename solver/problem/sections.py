@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, Union
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
 
-from geoswarm.solver.correlations.section import IndexSection
 from geoswarm.solver.forward.registry import AnyForwardModelSpec
+from geoswarm.solver.index_properties import IndexSection
 from geoswarm.solver.methods.base import Method
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod
 from geoswarm.solver.methods.registry import built_in_methods

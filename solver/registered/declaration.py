@@ -18,13 +18,14 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from geoswarm.solver.declared_parameter import DeclaredParameter, ParameterName
+from geoswarm.solver.declared_parameter import DeclaredParameter
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.external.runs.fingerprints import FileStamp, settled
 from geoswarm.solver.forward.base import SeriesInfo
 from geoswarm.solver.forward.registry import kinds
 from geoswarm.solver.problem.text.reading import read_problem_file
 from geoswarm.solver.registered.settings import Setting, SettingName
+from geoswarm.solver.section import Name
 
 __all__ = ["FILE", "Declaration", "Declared", "DeclaredParameter", "DeclaredSeries", "read_declaration"]
 
@@ -51,7 +52,7 @@ class Declared(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    parameters: dict[ParameterName, DeclaredParameter] = Field(max_length=100)
+    parameters: dict[Name, DeclaredParameter] = Field(max_length=100)
     series: dict[SeriesName, DeclaredSeries] = Field(max_length=1000)
 
 
@@ -63,7 +64,7 @@ class Declaration(BaseModel):
     title: str = Field("", max_length=100)
     description: str = Field("", max_length=2000)
     forward_model: dict[str, Any]
-    parameters: dict[ParameterName, DeclaredParameter] = Field(min_length=1, max_length=100)
+    parameters: dict[Name, DeclaredParameter] = Field(min_length=1, max_length=100)
     settings: dict[SettingName, Setting] = Field({}, max_length=100)
 
     @model_validator(mode="after")

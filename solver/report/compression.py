@@ -9,8 +9,8 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.estimates.stage_ends import LoadTest, load_tests, measured_strain
 from geoswarm.solver.identifiability import Linearisation
+from geoswarm.solver.parameter_estimates.observed_curves import LoadTest, load_tests, measured_strain
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.laboratory import laboratory_values
 

@@ -12,9 +12,9 @@ import numpy as np
 from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.forward.base import SeriesInfo
-from geoswarm.solver.objective import OUTLYING
 from geoswarm.solver.problem import Observation, Problem
 from geoswarm.solver.problem.stages import stage_times
+from geoswarm.solver.residuals import OUTLYING
 from geoswarm.solver.units import convert, convert_difference
 
 __all__ = [

@@ -12,6 +12,7 @@ from geoswarm.solver.errors import SolverError
 from geoswarm.solver.forward.base import ForwardModel, SeriesInfo
 from geoswarm.solver.forward.combined import parts_of
 from geoswarm.solver.forward.diagram import Diagram
+from geoswarm.solver.parameter_estimates.observed_curves import observed
 from geoswarm.solver.problem import Observation, Problem
 
 __all__ = ["DiagramCurve", "diagram_curves"]
@@ -65,11 +66,10 @@ def diagram_curves(problem: Problem, values: Mapping[str, float]) -> tuple[Diagr
     if problem.forward_model.runs_outside:
         return ()
     for part in parts_of(problem.forward_model, problem.model):
-        prefix = f"{part.name}." if part.name else ""
-        observed = {o.series.removeprefix(prefix): o for o in problem.observations if o.series.startswith(prefix)}
+        read = observed(problem, part.name)
         for diagram in part.spec.diagrams():
             try:
-                curve = _curve(part.name, diagram, part.model, part.values(values), observed)
+                curve = _curve(part.name, diagram, part.model, part.values(values), read)
             except SolverError:
                 continue
             if curve is not None:

@@ -28,12 +28,13 @@ from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.forward.combined import parts_of
 from geoswarm.solver.forward.staged_section import StagedLoadSpec
 from geoswarm.solver.identifiability import Linearisation
+from geoswarm.solver.parameter_estimates.observed_curves import LoadTest
 from geoswarm.solver.problem import Problem
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.staged_load import StagedLoadModel
 
-__all__ = ["LaboratoryValue", "StagedTest", "interval_of", "laboratory_values", "staged_tests"]
+__all__ = ["LaboratoryValue", "interval_of", "laboratory_values", "staged_tests"]
 
 _STEP = 1e-5
 """Of the differences, in search coordinates: on a log scale relative."""
@@ -41,20 +42,6 @@ _NO_INFLUENCE = 1e-6
 """Relative change of a value over that of a parameter; rounding makes some 1e-10."""
 
 Quantity = Callable[[Mapping[str, float]], float]
-
-
-@dataclass(frozen=True, slots=True)
-class StagedTest:
-    """One laboratory test of a problem; ``part`` is its name in a combined model, empty otherwise."""
-
-    part: str
-    model: StagedLoadModel
-    values: Callable[[Mapping[str, float]], Mapping[str, float]]
-
-    @property
-    def confined(self) -> bool:
-        """Whether a ring holds the side, as in the oedometer."""
-        return self.model.confined
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,17 +71,15 @@ class LaboratoryValue:
     relation: str
 
 
-def staged_tests(problem: Problem) -> tuple[StagedTest, ...]:
+def staged_tests(problem: Problem) -> Iterator[LoadTest]:
     """The laboratory tests of a problem on soft soil (with or without creep), which laboratories have terms for."""
-    found = []
     for part in parts_of(problem.forward_model, problem.model):
         if isinstance(part.spec, StagedLoadSpec):
             from geoswarm.solver.forward.staged_load import StagedLoadModel
             from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw
 
             if isinstance(part.model, StagedLoadModel) and isinstance(part.model.law, SoftSoilCreepLaw):
-                found.append(StagedTest(part.name, part.model, part.values))
-    return tuple(found)
+                yield LoadTest(part.name, part.model, part.values)
 
 
 def laboratory_values(
@@ -114,7 +99,7 @@ def laboratory_values(
     for test in staged_tests(problem):
         for symbol, name, unit, relation, quantity in _quantities(test, test.values(values)):
 
-            def of_all(given: Mapping[str, float], test: StagedTest = test, quantity: Quantity = quantity) -> float:
+            def of_all(given: Mapping[str, float], test: LoadTest = test, quantity: Quantity = quantity) -> float:
                 return quantity(test.values(given))
 
             interval = None if linearisation is None else interval_of(problem, of_all, linearisation)
@@ -122,7 +107,7 @@ def laboratory_values(
     return tuple(found)
 
 
-def _quantities(test: StagedTest, at: Mapping[str, float]) -> Iterator[tuple[str, str, str, str, Quantity]]:
+def _quantities(test: LoadTest, at: Mapping[str, float]) -> Iterator[tuple[str, str, str, str, Quantity]]:
     """Symbol, name, unit, relation and function of the parameters."""
     spec = test.model.spec
     e = spec.initial_void_ratio

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from geoswarm.solver.estimates.index import TestOfLaw, full_name, soils_of, term_known
 from geoswarm.solver.identifiability import Linearisation
 from geoswarm.solver.laws.terms import Term
+from geoswarm.solver.parameter_estimates.index import TestOfLaw, full_name, soil_of, soils_of, term_known
 from geoswarm.solver.problem import FixedParameter, Problem
 from geoswarm.solver.report.laboratory import LaboratoryValue, interval_of, laboratory_values
 
@@ -62,7 +62,7 @@ def _value(
     plain = term.relation == term.quantity  # the table of parameters has it
     if (fixed or plain) and term.quantity not in beside:
         return None
-    soil = None if problem.index_properties is None else problem.index_properties.properties()
+    soil = soil_of(problem)
 
     def quantity(given: Mapping[str, float]) -> float:
         own = {key.removeprefix(f"{test.part}."): value for key, value in given.items()}

@@ -7,20 +7,24 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
+from geoswarm.solver.errors import ForwardError
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runner.wire import Outcome
 from geoswarm.solver.warm import run_sample
 
 __all__ = [
     "BuildError",
+    "EvaluationCancelled",
     "Evaluator",
     "InlineEvaluator",
-    "RunLimits",
-    "EvaluationCancelled",
     "NoProcessError",
+    "RunLimits",
     "evaluate",
+    "evaluate_fields",
 ]
 
 
@@ -109,7 +113,7 @@ class Evaluator(Protocol):
             How long the evaluation under way may still take [s], None: it is wanted. No other is begun.
         fields
             Part whose displacement fields are wanted instead of responses, see
-            :mod:`geoswarm.solver.runner.fields`; None: responses.
+            :mod:`geoswarm.solver.runner.evaluator`; None: responses.
 
         Raises
         ------
@@ -170,10 +174,42 @@ def evaluate(calibration: Calibration, position: FloatArray, fields: str | None)
     """Evaluate a position here and now: its responses, or the displacement fields of a part."""
     if fields is None:
         return calibration.evaluate(position)
-    from geoswarm.solver.runner.fields import evaluate_fields  # finite elements are loaded where they are needed
-
     return evaluate_fields(calibration, position, fields)
 
 
 def _least(*limits: float | None) -> float | None:
     return min((limit for limit in limits if limit is not None), default=None)
+
+
+def evaluate_fields(calibration: Calibration, parameters: FloatArray, part: str) -> Evaluation:
+    """Calculate the displacements of a body; a failure is in the returned evaluation.
+
+    Parameters
+    ----------
+    parameters
+        Natural values of the free parameters, shape (d,).
+    part
+        Name of the part of a combined model; empty for a model that is none.
+
+    Returns
+    -------
+    Evaluation
+        Its responses are the displacements at the end of each phase, flattened to (2 n,), m; no objective.
+    """
+    from geoswarm.solver.forward.continuum.fields import body_of, displacement_fields  # with finite elements
+
+    began = time.perf_counter()
+    found = body_of(calibration.problem.model, part, calibration.problem.values(parameters.tolist()))
+    try:
+        if found is None:
+            raise ForwardError(f"the forward model has no body {part!r}")
+        with np.errstate(all="ignore"):
+            fields = displacement_fields(*found)
+    except ForwardError as error:
+        reason, message = error.reason, str(error)
+    except MemoryError:
+        reason, message = "killed_memory", "the forward model ran out of memory"
+    else:
+        flat = {name: displacement.ravel() for name, displacement in fields.items()}
+        return Evaluation(parameters, None, {}, flat, None, None, time.perf_counter() - began)
+    return Evaluation(parameters, None, {}, {}, reason, message, time.perf_counter() - began)

@@ -14,12 +14,12 @@ from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import CoreSchema, core_schema
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.declared_parameter import DeclaredParameter, ParameterName
+from geoswarm.solver.declared_parameter import DeclaredParameter
 from geoswarm.solver.errors import ExpressionError, InfeasibleError, Issue, ProblemError
 from geoswarm.solver.expressions import Expression, parse_expression
 from geoswarm.solver.external.runs.fingerprints import fingerprint
-from geoswarm.solver.section import Section
-from geoswarm.solver.stress_measures import mean_and_squared_q
+from geoswarm.solver.laws.base import mean_and_squared_q
+from geoswarm.solver.section import Name, Section
 from geoswarm.solver.units import UnitError, convert
 from geoswarm.solver.words import did_you_mean
 
@@ -117,9 +117,7 @@ class UserLawSection(Section):
 
     law: str
     library: str = Field(min_length=1, max_length=1000, description="Shared library, relative to the problem file.")
-    parameters: dict[ParameterName, DeclaredParameter] = Field(
-        {}, max_length=100, description="Parameters of the law by name."
-    )
+    parameters: dict[Name, DeclaredParameter] = Field({}, max_length=100, description="Parameters of the law by name.")
     K0: Formula | None = Field(None, description="Ratio of horizontal to vertical stress at rest.")
     moduli: Moduli | None = Field(
         None, description="Elastic moduli for estimates; those of the law's tangent at rest unless given."
@@ -127,7 +125,7 @@ class UserLawSection(Section):
     time_scale: Formula | None = Field(
         None, description="Time in which creep slows down by half, day: the first time step of a hold."
     )
-    limit: ParameterName | None = Field(None, description="State variable that shows whether the point yields.")
+    limit: Name | None = Field(None, description="State variable that shows whether the point yields.")
     perfectly_plastic: bool = Field(
         False, description="The tangent may lose all stiffness: finite elements mix elastic stiffness into it."
     )

@@ -25,11 +25,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.declared_parameter import ParameterName
 from geoswarm.solver.laws.base import StateTensor, StateVariable
 from geoswarm.solver.laws.binary import NumbaUpdate
 from geoswarm.solver.laws.libraries.umat_bridge import BESIDE, NAME_LENGTH, PLACES, TROUBLES, umat_update
-from geoswarm.solver.section import Section
+from geoswarm.solver.section import Name, Section
 from geoswarm.solver.user_laws.law import UserLaw
 from geoswarm.solver.user_laws.library import address_of, opened, pointer_in
 from geoswarm.solver.user_laws.section import (
@@ -58,7 +57,7 @@ _SHEAR: Final = {"stress": 1.0, "strain": 2.0}
 class UmatState(Section):
     """One of the routine's state variables (STATEV)."""
 
-    name: ParameterName
+    name: Name
     symbol: str = Field("", max_length=20)
     unit: str = Field("", max_length=50)
     description: str = Field("", max_length=300)

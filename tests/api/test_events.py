@@ -15,7 +15,7 @@ import pytest
 
 from geoswarm.api import ApiSettings
 from geoswarm.api.events.feed import MOST_GENERATIONS, BatchTexts, EventFeed, encode_event, thinned
-from geoswarm.records.history import Event
+from geoswarm.records.job import Event
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.hosts.engine import Engine
 from geoswarm.workers.service.job_service import JobService

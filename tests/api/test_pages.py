@@ -8,7 +8,7 @@ import pytest
 from geoswarm.api.pages.convergence import LEFT, PLOT_WIDTH, RIGHT, convergence
 from geoswarm.api.pages.service import own_address
 from geoswarm.api.pages.shell import number
-from geoswarm.records.history import Generation
+from geoswarm.records.job import Generation
 from tests.api.conftest import API, App, line_problem
 
 

@@ -20,7 +20,7 @@ def test_import_contracts_are_kept() -> None:
 
 
 SLOW = ("numba", "scipy", "celery", "matplotlib", "pint", "psycopg", "alembic")
-STATISTICS = ("geoswarm.solver.identifiability", "geoswarm.solver.estimates", "geoswarm.solver.report.document")
+STATISTICS = tuple(f"geoswarm.solver.{name}" for name in ("identifiability", "parameter_estimates", "report.document"))
 LOADS_NOT: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("geoswarm", "geoswarm.cli", "geoswarm.solver", "geoswarm.workers"), (*SLOW, "numpy", "pydantic")),
     "geoswarm.client": (*SLOW, "numpy"),
@@ -55,7 +55,7 @@ def test_the_solver_runs_without_the_extras() -> None:
     program = (
         f"import sys; sys.modules.update(dict.fromkeys({blocked!r}))\n"
         "from geoswarm.solver.runs.local import calibrate\n"
-        "import geoswarm.solver.estimates.proposal, geoswarm.solver.report.folder.reading\n"
+        "import geoswarm.solver.parameter_estimates.proposal, geoswarm.solver.report.folder.reading\n"
         "assert 'numba' not in sys.modules, 'formulas need no kernels, neither do their estimates and reports'\n"
         "from geoswarm.solver.problem import parse_problem\n"
         "from geoswarm.solver.warm import SAMPLES\n"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from sqlalchemy import func, select
 
+from geoswarm.solver.calibration import search_space
 from geoswarm.solver.search.space import diversity
-from geoswarm.solver.space import search_space
 from geoswarm.workers.errors import (
     IdempotencyConflictError,
     InvalidCursorError,

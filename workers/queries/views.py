@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from geoswarm.records.evaluation import COLUMNS, Attempt, Evaluation, Response
-from geoswarm.records.history import Event, Generation
-from geoswarm.records.job import Job, SearchBest
+from geoswarm.records.job import Event, Generation, Job, SearchBest
 from geoswarm.records.record import Number
+from geoswarm.records.service import AgentSlot, Worker
 from geoswarm.records.statistics import SeriesShare
-from geoswarm.records.worker import AgentSlot, Worker
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.progress.result import alike_warning
 from geoswarm.workers.queries.versions import recorded_versions, version_warnings

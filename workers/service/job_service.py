@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection
 
-from geoswarm.records.history import Event
-from geoswarm.records.job import Job
+from geoswarm.records.job import Event, Job
 from geoswarm.records.record import Page
+from geoswarm.records.service import Worker
 from geoswarm.records.states import SERVED_STATES
-from geoswarm.records.worker import Worker
 from geoswarm.solver.calibration import choose_seed
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.registry import PROGRAMS_REFUSED

@@ -12,13 +12,13 @@ import numpy as np
 from sqlalchemy import Connection, select
 
 from geoswarm.records.evaluation import Attempt, Evaluation
-from geoswarm.records.history import Event, Generation
+from geoswarm.records.job import Event, Generation
 from geoswarm.records.progress import Progress
 from geoswarm.records.record import Page
 from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES
+from geoswarm.solver.calibration import search_space
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.search.space import diversity
-from geoswarm.solver.space import search_space
 from geoswarm.workers.errors import EvaluationNotFoundError
 from geoswarm.workers.queries import jobs
 from geoswarm.workers.queries.evaluations import get_evaluation, list_attempts

@@ -22,7 +22,7 @@ from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.report.compared import Compared
 from geoswarm.solver.report.document.build import Report, linearise_stored
-from geoswarm.solver.report.document.reweighted import reweighted_document
+from geoswarm.solver.report.jsonable import reweighted_document
 from geoswarm.solver.report.record import BestFit, RunRecord
 from geoswarm.solver.report.uncertainty import Uncertainty
 from geoswarm.workers.cache import Cache

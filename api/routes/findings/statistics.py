@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.errors import DetailError
 from geoswarm.api.headers import DOCUMENT_POLICY
 from geoswarm.api.schemas.statistics import FigureList
-from geoswarm.api.views import WantedReport, WantedView
+from geoswarm.api.views import WantedReport, WantedView, read_record
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.solver.problem.weighting import Weighting
 from geoswarm.solver.report.figures.style import figures_available, png_of, svg_of

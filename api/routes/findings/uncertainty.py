@@ -5,11 +5,11 @@ The statistics are slow to import, so each route imports what it calls.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Request, Response
+from fastapi import APIRouter, Depends, Header, Request, Response
 
-from geoswarm.api.answers import read_record
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.schemas.statistics import (
     DesignRequest,
@@ -20,7 +20,7 @@ from geoswarm.api.schemas.statistics import (
     ProfileRequest,
     SensitivityRequest,
 )
-from geoswarm.api.views import Noise
+from geoswarm.api.views import Noise, read_record
 from geoswarm.records.job import Job
 from geoswarm.records.progress import FollowUpCosts
 from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
@@ -39,123 +39,83 @@ CREATED: dict[int | str, dict[str, object]] = {
 }
 
 
-@router.post("/sensitivity", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
-def sensitivity(
-    job_id: JobId,
-    service: Service,
-    request: Request,
-    response: Response,
-    wanted: SensitivityRequest | None = None,
-    idempotency_key: Key = None,
-) -> Job:
+FOLLOW_UP: dict[str, Any] = {"status_code": 201, "responses": {**CREATED, **problems_of(404, 408, 409, 413, 422)}}
+
+
+async def _submission(
+    job_id: JobId, service: Service, request: Request, response: Response, idempotency_key: Key = None
+) -> Callable[..., Job]:
+    """Submits a follow-up of the job, once for each key."""
+
+    def submit(how: Callable[..., tuple[Job, bool]], *given: Any, **options: Any) -> Job:
+        job, created = how(service, job_id, *given, **options, idempotency_key=idempotency_key)
+        response.status_code = 201 if created else 200
+        response.headers["Location"] = request.app.url_path_for("show", job_id=job.id)
+        return job
+
+    return submit
+
+
+Submit = Annotated[Callable[..., Job], Depends(_submission)]
+
+
+@router.post("/sensitivity", **FOLLOW_UP)
+def sensitivity(submit: Submit, wanted: SensitivityRequest | None = None) -> Job:
     """Submit a follow-up that evaluates the sensitivities at the optimum: standard errors, intervals, combinations."""
     from geoswarm.workers.service.findings import submit_sensitivity
 
-    options = (wanted or SensitivityRequest()).model_dump()
-    return _created(request, response, submit_sensitivity(service, job_id, **options, idempotency_key=idempotency_key))
+    return submit(submit_sensitivity, **(wanted or SensitivityRequest()).model_dump())
 
 
-@router.post("/profile", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
-def profile(
-    job_id: JobId,
-    service: Service,
-    request: Request,
-    response: Response,
-    wanted: ProfileRequest | None = None,
-    idempotency_key: Key = None,
-) -> Job:
+@router.post("/profile", **FOLLOW_UP)
+def profile(submit: Submit, wanted: ProfileRequest | None = None) -> Job:
     """Submit a follow-up that evaluates profile objectives; needs the sensitivities at the optimum first (409)."""
     from geoswarm.workers.service.findings import submit_profile
 
-    options = (wanted or ProfileRequest()).model_dump()
-    return _created(request, response, submit_profile(service, job_id, **options, idempotency_key=idempotency_key))
+    return submit(submit_profile, **(wanted or ProfileRequest()).model_dump())
 
 
-@router.post("/jackknife", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
-def jackknife(
-    job_id: JobId,
-    service: Service,
-    request: Request,
-    response: Response,
-    wanted: JackknifeRequest | None = None,
-    idempotency_key: Key = None,
-) -> Job:
+@router.post("/jackknife", **FOLLOW_UP)
+def jackknife(submit: Submit, wanted: JackknifeRequest | None = None) -> Job:
     """Submit a follow-up that fits the parameters without each test; needs the sensitivities first (409)."""
     from geoswarm.workers.service.findings import submit_jackknife
 
-    runs = (wanted or JackknifeRequest()).runs
-    return _created(request, response, submit_jackknife(service, job_id, runs=runs, idempotency_key=idempotency_key))
+    return submit(submit_jackknife, runs=(wanted or JackknifeRequest()).runs)
 
 
-@router.post("/explore", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
-def explore(
-    job_id: JobId,
-    service: Service,
-    request: Request,
-    response: Response,
-    wanted: ExploreRequest | None = None,
-    idempotency_key: Key = None,
-) -> Job:
+@router.post("/explore", **FOLLOW_UP)
+def explore(submit: Submit, wanted: ExploreRequest | None = None) -> Job:
     """Submit a follow-up that spends runs where, by the stored evaluations, a second basin is most likely."""
     from geoswarm.workers.service.findings import submit_explore
 
-    options = (wanted or ExploreRequest()).model_dump()
-    return _created(request, response, submit_explore(service, job_id, **options, idempotency_key=idempotency_key))
+    return submit(submit_explore, **(wanted or ExploreRequest()).model_dump())
 
 
-@router.post("/predict", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
-def predict(
-    job_id: JobId,
-    service: Service,
-    request: Request,
-    response: Response,
-    wanted: PredictRequest,
-    idempotency_key: Key = None,
-) -> Job:
+@router.post("/predict", **FOLLOW_UP)
+def predict(submit: Submit, wanted: PredictRequest) -> Job:
     """Submit a follow-up that predicts another forward model with the identified parameters and their uncertainty."""
     from geoswarm.workers.service.findings import submit_prediction
 
     options = wanted.model_dump()
-    problem = _read(options.pop("problem"))
-    submitted = submit_prediction(service, job_id, problem, **options, idempotency_key=idempotency_key)
-    return _created(request, response, submitted)
+    return submit(submit_prediction, _read(options.pop("problem")), **options)
 
 
-@router.post("/design", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
-def design(
-    job_id: JobId,
-    service: Service,
-    request: Request,
-    response: Response,
-    wanted: DesignRequest,
-    idempotency_key: Key = None,
-) -> Job:
+@router.post("/design", **FOLLOW_UP)
+def design(submit: Submit, wanted: DesignRequest) -> Job:
     """Submit a follow-up that ranks candidate tests by how much they would narrow the intervals or a prediction."""
     from geoswarm.workers.service.findings import submit_design
 
     options = wanted.model_dump()
-    candidates = _read(options.pop("candidates"))
-    predicted = options.pop("predict")
-    options["predict"] = None if predicted is None else _read(predicted)
-    submitted = submit_design(service, job_id, candidates, **options, idempotency_key=idempotency_key)
-    return _created(request, response, submitted)
+    candidates, predicted = _read(options.pop("candidates")), options.pop("predict")
+    return submit(submit_design, candidates, **options, predict=None if predicted is None else _read(predicted))
 
 
-@router.post("/global-sensitivity", status_code=201, responses={**CREATED, **problems_of(404, 408, 409, 413, 422)})
-def global_sensitivity(
-    job_id: JobId,
-    service: Service,
-    request: Request,
-    response: Response,
-    wanted: GlobalRequest | None = None,
-    idempotency_key: Key = None,
-) -> Job:
+@router.post("/global-sensitivity", **FOLLOW_UP)
+def global_sensitivity(submit: Submit, wanted: GlobalRequest | None = None) -> Job:
     """Submit a follow-up that evaluates the design of Sobol or Morris over the whole search range."""
     from geoswarm.workers.service.findings import submit_global_sensitivity
 
-    options = (wanted or GlobalRequest()).model_dump()
-    submitted = submit_global_sensitivity(service, job_id, **options, idempotency_key=idempotency_key)
-    return _created(request, response, submitted)
+    return submit(submit_global_sensitivity, **(wanted or GlobalRequest()).model_dump())
 
 
 @router.get("/follow-ups", responses=problems_of(404, 422))
@@ -187,10 +147,3 @@ def posterior(job_id: JobId, service: Service, noise: Noise) -> PosteriorAnswer:
 def _read(given: dict[str, Any] | str) -> dict[str, Any]:
     """A document, read where it came as text."""
     return read_document(given, "yaml") if isinstance(given, str) else given
-
-
-def _created(request: Request, response: Response, submitted: tuple[Job, bool]) -> Job:
-    job, created = submitted
-    response.status_code = 201 if created else 200
-    response.headers["Location"] = request.app.url_path_for("show", job_id=job.id)
-    return job

@@ -3,7 +3,7 @@ import { element } from "./dom.js";
 import { recalculations, remedyWords } from "./remedies.js";
 
 /** Kinds of verdicts, on the fit and on parameters, with which intervals do not hold. */
-export const WRONG = new Set(["lack_of_fit", "error_not_met"]);
+const WRONG = new Set(["lack_of_fit", "error_not_met"]);
 const SIGNS = { doubtful: "?", gross_error: "!" };
 
 /** Whether intervals do not hold, and what to say beside them; empty where nothing is wrong. */

@@ -4,7 +4,7 @@ import { announce, connection, element, exchange } from "./dom.js";
 import { count, number, objectiveUnit } from "./format.js";
 import { address, get } from "./http.js";
 import { addressValues, setAddressValues } from "./place.js";
-import { COLOURS } from "./ramp.js";
+import { COLOURS } from "./scales.js";
 import { followUps } from "./remedies.js";
 import { Cloud, natural, place as unitPlace } from "./statistics/cloud.js";
 import { FitPlot, affordable } from "./statistics/fit.js";

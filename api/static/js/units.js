@@ -37,7 +37,7 @@ export function choices(fit) {
 }
 
 /** The unit to show a unit of the data in, and the number of it in one of these. */
-export function shownIn(unit) {
+function shownIn(unit) {
   const family = familyOf(unit), wanted = family && chosen(family);
   if (!wanted || wanted === known(unit)) return [unit, 1];
   const { units } = FAMILIES[family];

@@ -64,7 +64,7 @@ def _show_program(run: TrialRun) -> None:
 
 
 def _show(problem: Problem, check: CheckReport) -> None:
-    from geoswarm.cli.words.labels import parameter_rows, root_mean_square, with_unit
+    from geoswarm.cli.words.output import parameter_rows, root_mean_square, with_unit
     from geoswarm.solver.problem.weighting import by_test, series_shares
     from geoswarm.solver.report.curves import objective_unit
 

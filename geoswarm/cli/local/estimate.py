@@ -12,9 +12,9 @@ from geoswarm.cli.options import json_option, problem_argument
 from geoswarm.cli.words.output import echo_json, echo_table, note, number
 
 if TYPE_CHECKING:
-    from geoswarm.solver.estimates.index import ParameterEstimate
-    from geoswarm.solver.estimates.proposal import Proposed
-    from geoswarm.solver.estimates.value import ClassicalValue
+    from geoswarm.solver.parameter_estimates.index import ParameterEstimate
+    from geoswarm.solver.parameter_estimates.proposal import Proposed
+    from geoswarm.solver.parameter_estimates.values import ClassicalValue
 
 __all__ = ["estimate_command"]
 
@@ -30,10 +30,9 @@ def estimate_command(problem: Path, as_json: bool) -> None:
     part of the answer is a section 'parameters' with bounds and estimates to begin with. The problem may still lack
     'parameters' and 'stopping'.
     """
-    from geoswarm.solver.estimates.classical import classical_values
-    from geoswarm.solver.estimates.index import estimates_of, index_document
-    from geoswarm.solver.estimates.proposal import proposed, with_parameters
-    from geoswarm.solver.estimates.usual import ordered
+    from geoswarm.solver.parameter_estimates.classical import classical_values
+    from geoswarm.solver.parameter_estimates.index import estimates_of, index_document
+    from geoswarm.solver.parameter_estimates.proposal import ordered, proposed, with_parameters
     from geoswarm.solver.problem import load_problem
 
     loaded = load_problem(problem, with_parameters)
@@ -88,8 +87,8 @@ def _show_index(index: Sequence[ParameterEstimate]) -> None:
         return
     rows = []
     for one in index:
-        told = one.told.correlation
-        outside = f" (beyond its range: {one.told.outside})" if one.told.outside else ""
+        told = one.correlated.correlation
+        outside = f" (beyond its range: {one.correlated.outside})" if one.correlated.outside else ""
         ends = "" if one.ends is None else f"{number(one.ends[0], 3)} to {number(one.ends[1], 3)}"
         quantity = f"{one.quantity} = {number(one.quantity_value, 3)}"
         rows.append((one.parameter, number(one.value, 3), ends, quantity, told.equation, f"{told.source}{outside}"))

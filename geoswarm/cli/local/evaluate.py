@@ -111,7 +111,7 @@ def _document(problem: Problem, values: Mapping[str, float], evaluation: Evaluat
 
 
 def _show(problem: Problem, values: Mapping[str, float], evaluation: Evaluation) -> None:
-    from geoswarm.cli.words.labels import parameter_rows, root_mean_square, with_unit
+    from geoswarm.cli.words.output import parameter_rows, root_mean_square, with_unit
     from geoswarm.solver.problem.weighting import series_shares
     from geoswarm.solver.report.curves import objective_unit, series_curves
 

@@ -76,9 +76,8 @@ def reweight_command(
 
 def _of_folder(folder: Path, options: dict[str, Any]) -> dict[str, Any]:
     from geoswarm.solver.identifiability import reweight
-    from geoswarm.solver.report.document.reweighted import reweighted_document
     from geoswarm.solver.report.folder.reading import run_of_folder
-    from geoswarm.solver.report.jsonable import jsonable
+    from geoswarm.solver.report.jsonable import jsonable, reweighted_document
 
     stored = run_of_folder(folder)
     if stored.samples.size == 0:

@@ -230,7 +230,7 @@ def show_result(
     problem: Problem, result: CalibrationResult, statistics: Statistics | None, compared: Compared | None = None
 ) -> None:
     """Write the tables of a finished calibration: values with intervals and verdicts, and the fit."""
-    from geoswarm.cli.words.labels import root_mean_square, with_unit
+    from geoswarm.cli.words.output import root_mean_square, with_unit
     from geoswarm.solver.problem.weighting import by_test, series_shares
     from geoswarm.solver.report.curves import objective_unit
     from geoswarm.solver.report.jsonable import jsonable

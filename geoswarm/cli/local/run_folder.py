@@ -75,7 +75,7 @@ def show_finished(folder: Path, problem: Problem, as_json: bool) -> None:
     if as_json:
         echo_json({name: result.get(name) for name in _SUMMARY})  # folders of earlier versions lack some
     elif result["parameters"] is not None:
-        from geoswarm.cli.words.labels import with_unit
+        from geoswarm.cli.words.output import with_unit
         from geoswarm.solver.report.curves import objective_unit
         from geoswarm.solver.report.folder.reading import report_of_folder
         from geoswarm.solver.report.jsonable import jsonable

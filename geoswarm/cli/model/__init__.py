@@ -1,8 +1,7 @@
 """Commands for programs as forward models: ``geoswarm model new`` and ``geoswarm model try``.
 
 ===================  ==================================================================================================
-``build_umat``       ``geoswarm model build-umat``: a library of the Fortran sources of an Abaqus user routine
-``group``            ``geoswarm model``: programs of your own as forward models
+``group``            ``geoswarm model``: programs of your own as forward models; ``geoswarm model build-umat``
 ``imports``          ``geoswarm import``: problems made of the files of other tools
 ``new``              ``geoswarm model new``: a first problem file for a program, with a template made of an example of
                      its input

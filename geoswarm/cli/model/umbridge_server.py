@@ -17,7 +17,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import WorkerLostError, in_words
-from geoswarm.solver.external.umbridge.client import PROTOCOL
+from geoswarm.solver.external.umbridge import PROTOCOL
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Limits
 from geoswarm.solver.runner.evaluator import EvaluationCancelled

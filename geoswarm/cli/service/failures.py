@@ -24,10 +24,10 @@ MOST_SHOWN = 20
 LOG_LINES = 8
 
 
-def failures_of(client: Client, job: Job, most: int = MOST_SHOWN) -> tuple[Counter[str], list[Evaluation]]:
+def failures_of(client: Client, job: Job) -> tuple[Counter[str], list[Evaluation]]:
     """Return the number of failed evaluations by reason, and the first of them."""
     failed = client.iterate_evaluations(job.id, state="failed")
-    shown = list(itertools.islice(failed, most))
+    shown = list(itertools.islice(failed, MOST_SHOWN))
     reasons = Counter(evaluation.reason or "unknown" for evaluation in itertools.chain(shown, failed))
     return reasons, shown
 

@@ -11,7 +11,6 @@ import click
 
 from geoswarm.cli.options import connection_options, job_argument, json_option
 from geoswarm.cli.service.connection import connect, find_job
-from geoswarm.cli.words.labels import root_mean_square, with_unit
 from geoswarm.cli.words.output import (
     duration,
     echo_facts,
@@ -21,6 +20,8 @@ from geoswarm.cli.words.output import (
     number,
     reasons_in_words,
     record_json,
+    root_mean_square,
+    with_unit,
 )
 from geoswarm.cli.words.result import show_fit, show_values, values_json
 from geoswarm.records.states import JOB_STATES
@@ -231,43 +232,28 @@ def _count(job: Job) -> str:
     )
 
 
-def _change(
-    action: Literal["cancel", "pause", "resume"], job: str, as_json: bool, url: str, api_key: str | None
-) -> None:
-    with connect(url, api_key) as client:
-        found = find_job(client, job)
-        changed = getattr(client, action)(found.id)
-    if as_json:
-        echo_json(record_json(changed))
-    else:
-        click.echo(f"{changed.id} ({changed.name}) is {changed.state}")
+def _change(action: Literal["cancel", "pause", "resume"], words: str) -> click.Command:
+    """A command that changes a job; ``words`` are its help."""
+
+    @click.command(action, help=words)
+    @job_argument
+    @json_option
+    @connection_options
+    def change(job: str, as_json: bool, url: str, api_key: str | None) -> None:
+        with connect(url, api_key) as client:
+            found = find_job(client, job)
+            changed = getattr(client, action)(found.id)
+        if as_json:
+            echo_json(record_json(changed))
+        else:
+            click.echo(f"{changed.id} ({changed.name}) is {changed.state}")
+
+    return change
 
 
-@click.command("cancel")
-@job_argument
-@json_option
-@connection_options
-def cancel_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
-    """Cancel a job; its finished evaluations are kept."""
-    _change("cancel", job, as_json, url, api_key)
-
-
-@click.command("pause")
-@job_argument
-@json_option
-@connection_options
-def pause_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
-    """Pause a job."""
-    _change("pause", job, as_json, url, api_key)
-
-
-@click.command("resume")
-@job_argument
-@json_option
-@connection_options
-def resume_command(job: str, as_json: bool, url: str, api_key: str | None) -> None:
-    """Resume a paused job."""
-    _change("resume", job, as_json, url, api_key)
+cancel_command = _change("cancel", "Cancel a job; its finished evaluations are kept.")
+pause_command = _change("pause", "Pause a job.")
+resume_command = _change("resume", "Resume a paused job.")
 
 
 @click.command("workers")

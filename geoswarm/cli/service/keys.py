@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import click
 
 from geoswarm.cli.databases import existing_store
-from geoswarm.cli.options import database_option, json_option
+from geoswarm.cli.options import SPAN, database_option, json_option
 from geoswarm.cli.words.output import echo_facts, echo_json, echo_table, note, record_json
-from geoswarm.cli.words.spans import SPAN
 
 if TYPE_CHECKING:
     from datetime import datetime

@@ -5,11 +5,10 @@ from __future__ import annotations
 import click
 
 from geoswarm.cli.databases import existing_store
-from geoswarm.cli.options import database_option, json_option
+from geoswarm.cli.options import SPAN, database_option, json_option
 from geoswarm.cli.serve import logging_options, prepare
 from geoswarm.cli.words.error_messages import BadInputError
 from geoswarm.cli.words.output import echo_json, echo_table, note, record_json
-from geoswarm.cli.words.spans import SPAN
 from geoswarm.records.states import ENDED_STATES
 
 __all__ = ["prune_command"]

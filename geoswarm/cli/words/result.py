@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoswarm.cli.words.labels import symbol_and_unit
-from geoswarm.cli.words.output import echo_table, ends, note, number
+from geoswarm.cli.words.output import echo_table, ends, note, number, symbol_and_unit
 from geoswarm.solver.words import per_cent
 
 if TYPE_CHECKING:

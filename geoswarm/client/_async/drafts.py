@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from geoswarm.client._async.connection import AsyncConnection
 from geoswarm.client.calls import API, JSON_BODY, Call, Problem, present, problem_text, reader
-from geoswarm.client.models import CheckResult, WarmStart
+from geoswarm.records.problem import CheckResult, WarmStart
 
 __all__ = [
     "check",

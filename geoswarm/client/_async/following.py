@@ -14,8 +14,7 @@ from geoswarm.client._async.jobs import get
 from geoswarm.client.calls import error_of, job_path
 from geoswarm.client.errors import GeoswarmError, JobFailedError, WaitTimeoutError
 from geoswarm.client.follow import Follower, SilentStreamError, pause_before
-from geoswarm.records.history import Event
-from geoswarm.records.job import Job
+from geoswarm.records.job import Event, Job
 
 __all__ = ["events", "wait"]
 

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Literal
 
 from geoswarm.client._async.connection import AsyncConnection
-from geoswarm.client.bodies import Mesh, MeshFields
 from geoswarm.client.calls import Call, job_path, nothing, present, reader
 from geoswarm.client.files import partial_file
+from geoswarm.client.models import Mesh, MeshFields
 from geoswarm.client.points import Points, read_points
 from geoswarm.records.evaluation import Attempt, Best, Evaluation
 from geoswarm.records.fit import Fit
-from geoswarm.records.history import Generation
+from geoswarm.records.job import Generation
 from geoswarm.records.record import Page
 
 __all__ = [

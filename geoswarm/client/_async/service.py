@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from urllib.parse import quote
 
 from geoswarm.client._async.connection import AsyncConnection
-from geoswarm.client.administration import Operations, Session
 from geoswarm.client.calls import API, JSON_BODY, Call, nothing, present, reader
-from geoswarm.client.models import ForwardModel, ForwardModelInfo, Health
 from geoswarm.records.account import Hook, Key, NewHook, NewKey, Role
+from geoswarm.records.problem import ForwardModelDetail, ForwardModelSummary
+from geoswarm.records.service import Health, Operations, Session, Worker
 from geoswarm.records.states import ENDED_STATES, EndedState
-from geoswarm.records.worker import Worker
 
 __all__ = [
     "create_hook",
@@ -31,7 +30,7 @@ __all__ = [
 ]
 
 
-async def forward_models(self: AsyncConnection) -> tuple[ForwardModelInfo, ...]:
+async def forward_models(self: AsyncConnection) -> tuple[ForwardModelSummary, ...]:
     """List the kinds of forward model that the service has.
 
     Examples
@@ -40,10 +39,10 @@ async def forward_models(self: AsyncConnection) -> tuple[ForwardModelInfo, ...]:
     >>> "oedometer" in kinds
     True
     """
-    return await self._send(Call("GET", f"{API}/forward-models", reader(tuple[ForwardModelInfo, ...], "items")))
+    return await self._send(Call("GET", f"{API}/forward-models", reader(tuple[ForwardModelSummary, ...], "items")))
 
 
-async def forward_model(self: AsyncConnection, kind: str) -> ForwardModel:
+async def forward_model(self: AsyncConnection, kind: str) -> ForwardModelDetail:
     """Show a kind of forward model: schema, parameters, series, units.
 
     Examples
@@ -52,7 +51,7 @@ async def forward_model(self: AsyncConnection, kind: str) -> ForwardModel:
     >>> model.kind
     'formula'
     """
-    return await self._send(Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", reader(ForwardModel)))
+    return await self._send(Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", reader(ForwardModelDetail)))
 
 
 async def workers(self: AsyncConnection) -> tuple[Worker, ...]:

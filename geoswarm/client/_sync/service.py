@@ -8,12 +8,11 @@ from collections.abc import Sequence
 from urllib.parse import quote
 
 from geoswarm.client._sync.connection import Connection
-from geoswarm.client.administration import Operations, Session
 from geoswarm.client.calls import API, JSON_BODY, Call, nothing, present, reader
-from geoswarm.client.models import ForwardModel, ForwardModelInfo, Health
 from geoswarm.records.account import Hook, Key, NewHook, NewKey, Role
+from geoswarm.records.problem import ForwardModelDetail, ForwardModelSummary
+from geoswarm.records.service import Health, Operations, Session, Worker
 from geoswarm.records.states import ENDED_STATES, EndedState
-from geoswarm.records.worker import Worker
 
 __all__ = [
     "create_hook",
@@ -32,7 +31,7 @@ __all__ = [
 ]
 
 
-def forward_models(self: Connection) -> tuple[ForwardModelInfo, ...]:
+def forward_models(self: Connection) -> tuple[ForwardModelSummary, ...]:
     """List the kinds of forward model that the service has.
 
     Examples
@@ -41,10 +40,10 @@ def forward_models(self: Connection) -> tuple[ForwardModelInfo, ...]:
     >>> "oedometer" in kinds
     True
     """
-    return self._send(Call("GET", f"{API}/forward-models", reader(tuple[ForwardModelInfo, ...], "items")))
+    return self._send(Call("GET", f"{API}/forward-models", reader(tuple[ForwardModelSummary, ...], "items")))
 
 
-def forward_model(self: Connection, kind: str) -> ForwardModel:
+def forward_model(self: Connection, kind: str) -> ForwardModelDetail:
     """Show a kind of forward model: schema, parameters, series, units.
 
     Examples
@@ -53,7 +52,7 @@ def forward_model(self: Connection, kind: str) -> ForwardModel:
     >>> model.kind
     'formula'
     """
-    return self._send(Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", reader(ForwardModel)))
+    return self._send(Call("GET", f"{API}/forward-models/{quote(kind, safe='')}", reader(ForwardModelDetail)))
 
 
 def workers(self: Connection) -> tuple[Worker, ...]:

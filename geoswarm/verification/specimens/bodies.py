@@ -7,8 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.fem.mesh.mesh import Mesh
-from geoswarm.solver.fem.mesh.quadratic import boundary_edges, midpoints, six_node_triangles
+from geoswarm.solver.fem.mesh.mesh import Mesh, boundary_edges, midpoints, six_node_triangles
 
 __all__ = ["block", "embankment", "graded", "moved", "node_at", "slope", "stacked"]
 

@@ -2,7 +2,6 @@
 
 ===========  ============================================================================
 ``limit``    the limit with dilatancy and tension cut-off as planes in principal stresses
-``planar``   one step in a plane
-``general``  the same for a general stress
+``step``     one step, in a plane and for a general stress
 ===========  ============================================================================
 """

@@ -1,8 +1,7 @@
 """Meshes of six-node triangles.
 
 =================  =========================================================================================
-``mesh``           the mesh that the solver works on
-``quadratic``      mid-side nodes and edges of six-node triangles
+``mesh``           the mesh that the solver works on; mid-side nodes and edges of six-node triangles
 ``checks``         what can be wrong with a mesh
 ``split``          opens a mesh along lines, with interfaces between the two sides
 ``columns``        where the columns of a section's mesh stand

@@ -6,8 +6,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import MeshError
-from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
-from geoswarm.solver.fem.mesh.quadratic import EDGES
+from geoswarm.solver.fem.mesh.mesh import EDGES, IndexArray, Mesh
 
 __all__ = ["SHARPEST", "check_mesh", "corner_angles", "jacobians", "mesh_faults"]
 

@@ -18,8 +18,7 @@ from geoswarm.solver.errors import MeshError
 from geoswarm.solver.fem.mesh.checks import check_mesh
 from geoswarm.solver.fem.mesh.columns import ColumnPlan, boundary_heights, cut_positions, plan_columns
 from geoswarm.solver.fem.mesh.cross_section import Profile, SectionGeometry
-from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
-from geoswarm.solver.fem.mesh.quadratic import EDGES, midpoints, six_node_triangles
+from geoswarm.solver.fem.mesh.mesh import EDGES, IndexArray, Mesh, midpoints, six_node_triangles
 from geoswarm.solver.fem.mesh.split import split_along
 
 __all__ = ["LayeredMesh"]

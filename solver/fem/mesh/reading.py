@@ -17,8 +17,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray, IntArray
 from geoswarm.solver.errors import MeshError
 from geoswarm.solver.fem.mesh.checks import check_mesh
-from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
-from geoswarm.solver.fem.mesh.quadratic import EDGES, midpoints, six_node_triangles
+from geoswarm.solver.fem.mesh.mesh import EDGES, IndexArray, Mesh, midpoints, six_node_triangles
 from geoswarm.solver.fem.mesh.split import split_along
 from geoswarm.solver.system.extras import needs_extra
 

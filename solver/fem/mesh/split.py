@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from geoswarm.solver.errors import MeshError
-from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
-from geoswarm.solver.fem.mesh.quadratic import EDGES
+from geoswarm.solver.fem.mesh.mesh import EDGES, IndexArray, Mesh
 
 __all__ = ["split_along"]
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeA
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 from pydantic.json_schema import SkipJsonSchema
 
-from geoswarm.solver.declared_parameter import ParameterName
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.continuum.quantity import Amount, ValueRange
 from geoswarm.solver.laws.base import Law, Setting
 from geoswarm.solver.laws.registry import installed_laws
 from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.section import Name
 from geoswarm.solver.user_laws.mfront import MfrontSection
 from geoswarm.solver.user_laws.section import UserLawSection
 from geoswarm.solver.user_laws.umat import UmatSection
@@ -105,7 +105,7 @@ def law_section(law: Law) -> type[LawSection]:
 class UserSoil(SoilSection, UserLawSection):
     """A soil of a law in a library; its parameters get their values here."""
 
-    values: dict[ParameterName, Amount] = Field(
+    values: dict[Name, Amount] = Field(
         {}, max_length=100, description="Values of the law's parameters: numbers or expressions."
     )
 

@@ -30,6 +30,7 @@ from geoswarm.solver.external.runs.fingerprints import fingerprint
 from geoswarm.solver.external.runs.folder import Keep
 from geoswarm.solver.external.runs.verdict import Fail, Success
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
+from geoswarm.solver.section import Name
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.programs.command_model import CommandModel
@@ -38,7 +39,6 @@ __all__ = ["CommandSpec"]
 
 Argument = Annotated[str, Field(max_length=4096)]
 Call = Annotated[tuple[Argument, ...], Field(min_length=1, max_length=200)]
-VariableName = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)]
 
 
 class CommandSpec(ForwardModelSpec):
@@ -73,10 +73,10 @@ class CommandSpec(ForwardModelSpec):
     write: dict[RelativePath, ParameterFileKind] = Field(
         {}, max_length=100, description="Files with all parameters: json, yaml or csv."
     )
-    environment: dict[VariableName, Argument] = Field(
+    environment: dict[Name, Argument] = Field(
         {}, max_length=100, description="Environment variables, in addition to a minimal set."
     )
-    pass_: tuple[VariableName, ...] = Field(
+    pass_: tuple[Name, ...] = Field(
         (),
         alias="pass",
         max_length=100,

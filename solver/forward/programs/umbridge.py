@@ -22,8 +22,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from geoswarm.solver.external.umbridge.client import address_of
+from geoswarm.solver.external.umbridge import address_of
 from geoswarm.solver.forward.base import ForwardModelSpec, in_unit
+from geoswarm.solver.section import Name
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.programs.umbridge_model import UmbridgeModel
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 __all__ = ["UmbridgeSeries", "UmbridgeSpec"]
 
 T = TypeVar("T")
-Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$", max_length=100)]
 Vector = Annotated[tuple[Name, ...], Field(max_length=1000)]
 
 

@@ -10,8 +10,7 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.external.errors import RunFailedError
 from geoswarm.solver.external.interpolation import at_points
-from geoswarm.solver.external.umbridge.answers import checked_info, checked_sizes, vectors
-from geoswarm.solver.external.umbridge.client import Server
+from geoswarm.solver.external.umbridge import Server, checked_info, checked_sizes, vectors
 from geoswarm.solver.forward.base import ForwardRun, ParameterInfo
 from geoswarm.solver.forward.programs.foreign import ForeignModel, series_in_base_units
 from geoswarm.solver.units import base_unit, convert

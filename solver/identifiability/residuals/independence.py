@@ -11,7 +11,8 @@ from scipy.special import fdtrc, ndtr
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration
-from geoswarm.solver.objective import OUTLYING, counted_in_order
+from geoswarm.solver.objective import counted_in_order
+from geoswarm.solver.residuals import OUTLYING
 
 __all__ = ["LackOfFit", "SeriesResiduals", "durbin_watson", "examine_residuals", "repeats_test", "runs_test"]
 

@@ -123,23 +123,13 @@ class Correlations:
 
 
 def correlate(
-    samples: Samples,
-    *,
-    method: CorrelationMethod = "pearson",
-    coordinates: Coordinates = "linear",
-    level: float = 0.95,
-    seed: int = 0,
+    samples: Samples, *, method: CorrelationMethod = "pearson", coordinates: Coordinates = "linear"
 ) -> Correlations:
-    """Correlate all pairs of parameters of (usually filtered) samples.
+    """Correlate all pairs of parameters of (usually filtered) samples, with intervals of 95 %.
 
-    Parameters
-    ----------
-    samples
-        Where a sampling and a swarm are put together, only the Monte Carlo samples are used, as the swarm's are biased.
-    seed
-        Of the bootstrap.
+    Where a sampling and a swarm are put together, only the Monte Carlo samples are used, as the swarm's are biased.
     """
-    return correlate_at(samples, (level,), method=method, coordinates=coordinates, seed=seed)[0]
+    return correlate_at(samples, (0.95,), method=method, coordinates=coordinates)[0]
 
 
 def correlate_at(
@@ -148,7 +138,6 @@ def correlate_at(
     *,
     method: CorrelationMethod = "pearson",
     coordinates: Coordinates = "linear",
-    seed: int = 0,
 ) -> list[Correlations]:
     """Do the same as :func:`correlate` for several levels, from the same resamples."""
     used = samples.select(samples.unbiased) if samples.source == "mixed" else samples
@@ -156,7 +145,7 @@ def correlate_at(
     if method == "spearman":
         values = _ranks(values)
     values = _of_ordinary_size(values)
-    resamples = _Resamples(values, np.random.default_rng(seed))
+    resamples = _Resamples(values, np.random.default_rng(0))
     tails = [_kurtosis(column) if method == "pearson" else 0.0 for column in values.T]
     biased = bool((~used.unbiased).any())
     found = []

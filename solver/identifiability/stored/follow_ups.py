@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.calibration import Calibration
+from geoswarm.solver.calibration import Calibration, search_space
 from geoswarm.solver.identifiability.errors import NotExaminedError, StatisticsError
 from geoswarm.solver.identifiability.optimum.linearisation import Linearisation
 from geoswarm.solver.identifiability.optimum.profiles import profile_settings
@@ -16,7 +16,6 @@ from geoswarm.solver.identifiability.prediction.question import OWN_KEYS, questi
 from geoswarm.solver.methods.base import FollowUpMethod, by_name
 from geoswarm.solver.methods.jackknife import lacks_tests, most_runs
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.space import search_space
 
 __all__ = [
     "at_minimum",

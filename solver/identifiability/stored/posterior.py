@@ -35,6 +35,8 @@ TRUSTED_ERROR = 0.5
 
 _AT_EDGE = 0.01  # share of the sample
 _EDGE = 0.05  # of the region
+_WALKERS = 32  # of the ensemble, at least
+_LEVEL = 0.95
 _CHUNK = 1000
 _LONG_ENOUGH = 50  # autocorrelation times
 
@@ -106,11 +108,8 @@ def sample_posterior(
     calibration: Calibration,
     samples: Samples,
     *,
-    surface: ResponseSurface | None = None,
     noise: Mapping[str, float] | float | None = None,
-    walkers: int = 32,
     steps: int = 8000,
-    level: float = 0.95,
     seed: int = 0,
 ) -> Posterior:
     """Sample the posterior; runs no forward calculation.
@@ -119,13 +118,11 @@ def sample_posterior(
     ----------
     samples
         Stored evaluations with responses.
-    surface
-        Fitted to the samples when absent.
     noise
         Known standard deviation of a reading, base units; that of the problem file when absent. Where it is unknown,
         series must have been weighted by their precision, since their noise shares one unknown factor.
-    walkers, steps
-        Of the ensemble; it ends before ``steps`` when 50 autocorrelation times are left after the first quarter, which
+    steps
+        Of the ensemble; it ends before them when 50 autocorrelation times are left after the first quarter, which
         is dropped.
     seed
         Of the sampler.
@@ -140,7 +137,7 @@ def sample_posterior(
     except ImportError as missing:
         raise StatisticsError(needs_extra("a posterior sample", "emcee")) from missing
 
-    surface = surface or fit_surface(calibration, samples, seed=seed)
+    surface = fit_surface(calibration, samples, seed=seed)
     if not np.isfinite(surface.objective_error):
         raise StatisticsError(
             "no response surface holds for the stored evaluations: their objectives, "
@@ -163,7 +160,7 @@ def sample_posterior(
                 value[allowed] = log_likelihood(calibration.objective.with_losses(surface.residuals(unit[allowed])))
         return value
 
-    walkers = max(walkers, 2 * space.dimension + 2)
+    walkers = max(_WALKERS, 2 * space.dimension + 2)
     start = _start(samples, surface, walkers)
     if not np.isfinite(log_probability(start)).all():
         raise StatisticsError(
@@ -185,7 +182,7 @@ def sample_posterior(
     unit = chain.reshape(-1, space.dimension)
     natural = space.to_natural(low + unit * span)
     error = surface.objective_error * _error_factor(calibration, known, float(samples.objectives[samples.best]))
-    intervals = np.quantile(natural, [0.5 - level / 2.0, 0.5 + level / 2.0], axis=0).T
+    intervals = np.quantile(natural, [0.5 - _LEVEL / 2.0, 0.5 + _LEVEL / 2.0], axis=0).T
     fit = fit_of_samples(calibration, samples, noise=noise)
     wrong = (fit.sentence,) if fit.wrong else ()
     warnings = wrong + _warnings(samples.names, unit, surface, error, len(chain), time) + _dependent(calibration, fit)
@@ -194,7 +191,7 @@ def sample_posterior(
     return Posterior(
         names=samples.names,
         parameters=natural,
-        level=level,
+        level=_LEVEL,
         intervals=intervals,
         correlation=np.atleast_2d(np.corrcoef(unit, rowvar=False)),
         acceptance=float(np.mean(sampler.acceptance_fraction)),

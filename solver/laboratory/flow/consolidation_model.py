@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.element_test.cells import Cells, graded
 from geoswarm.solver.element_test.column import PROFILE
 from geoswarm.solver.element_test.consolidation import Column, Ground, Watched, follow_loads
@@ -33,6 +32,7 @@ from geoswarm.solver.laboratory.water_flow import (
     permeability_of,
     pore_pressure_at,
 )
+from geoswarm.solver.units import WATER
 
 if TYPE_CHECKING:
     from geoswarm.solver.laboratory.flow.consolidation import ConsolidationSpec

@@ -13,8 +13,7 @@ from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_DURATION
 from geoswarm.solver.laboratory.pace import Hold
 from geoswarm.solver.laboratory.section import FlowSpec, Part, exactly_one
-from geoswarm.solver.laboratory.shear_drawing import is_timed
-from geoswarm.solver.laboratory.shear_stages import ShearStage
+from geoswarm.solver.laboratory.shear_stages import ShearStage, is_timed
 from geoswarm.solver.sentences import Key, SentenceError
 from geoswarm.solver.sketches.declared import Load, Reading, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.stages import movement_panels

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.classical.constant_rate import WATER
 from geoswarm.solver.element_test.column import BY_SETTLEMENT, BY_STRESS, PROFILE
 from geoswarm.solver.element_test.consolidation import Column, Ground, Movement, Watched, follow_movement
 from geoswarm.solver.element_test.load_paths import Path
 from geoswarm.solver.laboratory.record import Voids
 from geoswarm.solver.laboratory.shear_stages import ShearStage
 from geoswarm.solver.laboratory.water_flow import BASE, HORIZONTAL, OUTPUT, STRAIN, STRESS, VERTICAL
+from geoswarm.solver.units import WATER
 
 __all__ = ["Flow", "combinations", "lead"]
 

@@ -29,7 +29,7 @@ from geoswarm.solver.laboratory.quantities import (
 from geoswarm.solver.laboratory.series import TestSeries
 from geoswarm.solver.laboratory.shear_axes import path_series, shear_series
 from geoswarm.solver.laboratory.shear_stages import Axes, ShearStage
-from geoswarm.solver.stress_measures import mean_and_squared_q
+from geoswarm.solver.laws.base import mean_and_squared_q
 
 if TYPE_CHECKING:
     from geoswarm.solver.laboratory.shear.simple_shear import DirectSimpleShearSpec

@@ -13,7 +13,7 @@ from geoswarm.solver.forward.diagram import Derived, Diagram, Readings
 from geoswarm.solver.forward.staged_section import MAX_STRESS
 from geoswarm.solver.laboratory.pace import Cyclic, Hold, Monotonic, require_pace
 from geoswarm.solver.laboratory.section import LaboratorySpec, Loading, Part
-from geoswarm.solver.laboratory.shear_drawing import is_timed, over_strain, shear_modulus_diagram
+from geoswarm.solver.laboratory.shear_stages import is_timed, over_strain, shear_modulus_diagram
 from geoswarm.solver.laws.initial_state import knows_voids
 from geoswarm.solver.sentences import SentenceError, setting
 from geoswarm.solver.sketches.declared import Load, Panel, Reading, Sketch, SpecimenSketch

@@ -2,7 +2,6 @@
 
 ==================  ================================================================
 ``mohr_coulomb``    with the strength of Mohr and Coulomb
-``drucker_prager``  with the cone of Drucker and Prager, and what smooth cones share
-``matsuoka_nakai``  with the strength of Matsuoka and Nakai
+``smooth_cones``    with the cones of Drucker and Prager and of Matsuoka and Nakai
 ==================  ================================================================
 """

@@ -9,14 +9,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.constitutive.mohr_coulomb.general import general_mohr_coulomb
-from geoswarm.solver.constitutive.mohr_coulomb.planar import planar_mohr_coulomb
+from geoswarm.solver.constitutive.mohr_coulomb.step import general_mohr_coulomb, planar_mohr_coulomb
 from geoswarm.solver.laws.base import Law, Setting, StrengthPlaces
 from geoswarm.solver.laws.binary import NumbaUpdate, carray
 from geoswarm.solver.laws.elastic import MODULI, YOUNG, moduli_contradiction, moduli_incomplete, young_of
 from geoswarm.solver.laws.sources import TERZAGHI
 from geoswarm.solver.laws.terms import COHESION, DILATANCY_ANGLE, FRICTION, Term
-from geoswarm.solver.laws.usual_parameters import DILATANCY, cohesion, too_dilatant
+from geoswarm.solver.laws.usual_parameters import DILATANCY, angle, cohesion, too_dilatant
 from geoswarm.solver.parameter_info import ParameterInfo
 
 __all__ = ["TENSION_CUTOFF", "MohrCoulomb"]
@@ -42,17 +41,7 @@ class MohrCoulomb(Law):
     parameters: ClassVar[tuple[ParameterInfo, ...]] = (
         *MODULI,
         cohesion(50.0),
-        ParameterInfo(
-            "phi",
-            "φ",
-            "degree",
-            "Effective friction angle.",
-            lower=0.0,
-            upper=90.0,
-            upper_open=True,
-            typical=(15.0, 35.0),
-            source=f"{TERZAGHI}, article 19",
-        ),
+        angle("phi", "φ", "Effective friction angle.", (15.0, 35.0), f"{TERZAGHI}, article 19"),
         DILATANCY,
     )
     terms: ClassVar[tuple[Term, ...]] = (YOUNG, FRICTION, COHESION, DILATANCY_ANGLE)

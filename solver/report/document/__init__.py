@@ -13,11 +13,7 @@
 ``parts``               the parts of a report: cards, pictures, tables
 ``pdf``                 the report as a PDF on A4: ReportLab sets text and tables, the figures are those of the page as
                         PNG
-``readings``            what a report says of the readings: where they come from, what was done to them, and those that
-                        do not count
-``residual_table``      the table of the residuals at the optimum
-``reweighted``          stored evaluations under other weights, as the HTTP interface and the command line show them
-``scope``               what the forward model of a laboratory test does not contain, for a report to say
+``readings``            readings: where they are from, what was done to them, what the model lacks; residuals
 ``series_table``        the table of the series in the objective, with the shares of their tests
 ``uncertainty_tables``  tables of what follow-ups and a posterior sample have found
 ======================  ================================================================================================

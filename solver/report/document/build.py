@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -34,20 +32,9 @@ from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.style import save_figure
 from geoswarm.solver.report.record import RunRecord, record_of_result
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
+from geoswarm.solver.system.processes import without_garbage_collection
 
 __all__ = ["Report", "linearise_stored", "report_of_result"]
-
-
-@contextmanager
-def _without_collection() -> Iterator[None]:
-    """Look for no garbage: figures are many small objects, and all of them are kept until its end."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
 
 
 class Report:
@@ -168,7 +155,7 @@ class Report:
         """Return the PDF."""
         return pdf_report(self.content)
 
-    @_without_collection()
+    @without_garbage_collection()
     def save(
         self,
         folder: Path,

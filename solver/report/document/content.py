@@ -18,9 +18,7 @@ from geoswarm.solver.report.curves import objective_unit
 from geoswarm.solver.report.document.captions import CAPTIONS
 from geoswarm.solver.report.document.laboratory import laboratory_tables
 from geoswarm.solver.report.document.parts import Alarm, Card, Picture, Table
-from geoswarm.solver.report.document.readings import gross_error_table, reading_notes
-from geoswarm.solver.report.document.residual_table import residual_table
-from geoswarm.solver.report.document.scope import not_modelled
+from geoswarm.solver.report.document.readings import gross_error_table, not_modelled, reading_notes, residual_table
 from geoswarm.solver.report.document.series_table import comparison_table, series_table
 from geoswarm.solver.report.document.uncertainty_tables import left_out_table, uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet

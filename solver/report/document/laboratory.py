@@ -8,10 +8,10 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import SolverError
-from geoswarm.solver.estimates.classical import calculated_problem, classical_values
-from geoswarm.solver.estimates.index import estimates_of
-from geoswarm.solver.estimates.value import ClassicalValue
 from geoswarm.solver.identifiability import Linearisation
+from geoswarm.solver.parameter_estimates.classical import calculated_problem, classical_values
+from geoswarm.solver.parameter_estimates.index import estimates_of
+from geoswarm.solver.parameter_estimates.values import ClassicalValue
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.document.laboratory_table import Beside, index_table, laboratory_table, stage_table
 from geoswarm.solver.report.document.parts import Table

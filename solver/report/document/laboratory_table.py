@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from geoswarm.solver.estimates.index import ParameterEstimate
-from geoswarm.solver.estimates.value import ClassicalValue
+from geoswarm.solver.parameter_estimates.index import ParameterEstimate
+from geoswarm.solver.parameter_estimates.values import ClassicalValue
 from geoswarm.solver.problem import FreeParameter, Problem
 from geoswarm.solver.report.document.parts import Table
 from geoswarm.solver.report.laboratory import LaboratoryValue
@@ -156,11 +156,15 @@ def _expected(value: LaboratoryValue, index: Sequence[ParameterEstimate]) -> str
     ends = []
     for one in index:
         same = one.quantity == base or (one.quantity, base) == ("φ", "φ_cs")
-        if same and not strains and not one.told.outside:
-            share = one.told.correlation
-            half = 0.0 if one.told.ends is None or share.scatter is None else one.told.ends[1] - one.told.value
-            factor = one.quantity_value / one.told.value
-            ends += [factor * (one.told.value - half), factor * (one.told.value + half)]
+        if same and not strains and not one.correlated.outside:
+            share = one.correlated.correlation
+            half = (
+                0.0
+                if one.correlated.ends is None or share.scatter is None
+                else one.correlated.ends[1] - one.correlated.value
+            )
+            factor = one.quantity_value / one.correlated.value
+            ends += [factor * (one.correlated.value - half), factor * (one.correlated.value + half)]
     if not ends:
         return "–"
     low, high = number(min(ends), 2), number(max(ends), 2)
@@ -201,13 +205,13 @@ def index_table(estimates: Sequence[ParameterEstimate], problem: Problem) -> Tab
         return None
     rows = []
     for one in estimates:
-        told, parameter = one.told.correlation, problem.parameters.get(one.parameter)
+        told, parameter = one.correlated.correlation, problem.parameters.get(one.parameter)
         ends = "" if one.ends is None else f" ({number(one.ends[0], 3)} … {number(one.ends[1], 3)})"
         bounds = "fixed"
         if isinstance(parameter, FreeParameter):
             bounds = f"{number(parameter.lower)} … {number(parameter.upper)}"
         name = one.parameter if one.symbol == one.parameter else f"{one.symbol} ({one.parameter})"
-        outside = f"; beyond its range: {one.told.outside}" if one.told.outside else ""
+        outside = f"; beyond its range: {one.correlated.outside}" if one.correlated.outside else ""
         quantity = f"{one.quantity} = {number(one.quantity_value, 3)}"
         value = f"{number(one.value, 3)}{ends}"
         rows.append((name, value, bounds, one.unit or "-", quantity, told.equation, f"{told.source}{outside}"))

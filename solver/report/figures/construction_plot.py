@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.estimates.construction import Construction
+from geoswarm.solver.parameter_estimates.values import Construction
 from geoswarm.solver.report.figures.extent import set_limits
 from geoswarm.solver.report.figures.style import (
     BLUE,

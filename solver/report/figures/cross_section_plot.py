@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geoswarm.solver.arrays import FloatArray, IntArray
-from geoswarm.solver.fem.mesh.mesh import Mesh
-from geoswarm.solver.fem.mesh.quadratic import boundary_edges
+from geoswarm.solver.fem.mesh.mesh import Mesh, boundary_edges
 from geoswarm.solver.report.figures.style import BLUE, GREEN, GRID, INK, MUTED, ORANGE, drawing
 
 if TYPE_CHECKING:
@@ -79,15 +78,13 @@ def deformed_figure(title: str, mesh: Mesh, displacement: FloatArray, factor: fl
     return figure
 
 
-def vectors_figure(
-    title: str, mesh: Mesh, points: Sequence[str], vectors: Mapping[str, FloatArray], *, unit: str = "m"
-) -> Figure:
+def vectors_figure(title: str, mesh: Mesh, points: Sequence[str], vectors: Mapping[str, FloatArray]) -> Figure:
     """Draw displacement vectors at named points over the outline of the body, all to one scale.
 
     Parameters
     ----------
     vectors
-        By their name in the legend (measured first), (k, 2) for the k points, in ``unit``.
+        By their name in the legend (measured first), (k, 2) for the k points, in m.
     """
     from matplotlib.figure import Figure
 
@@ -112,35 +109,31 @@ def vectors_figure(
             upper.annotate(name, (x, y), (0, 6), textcoords="offset points", ha="center", fontsize=8)
         key = _round_down(longest)
         upper.plot([low, low + length * key], [bottom, bottom], color=INK, linewidth=1.6, solid_capstyle="butt")
-        upper.annotate(f"{key:g} {unit}", (low, bottom), (0, 4), textcoords="offset points", fontsize=8)
+        upper.annotate(f"{key:g} m", (low, bottom), (0, 4), textcoords="offset points", fontsize=8)
         _frame(upper, view)
         upper.legend(frameon=False, loc="upper right")
-        _bars(lower, points, vectors, [colour for colour, _ in looks], unit)
+        _bars(lower, points, vectors, [colour for colour, _ in looks])
     return figure
 
 
-def vectors_rows(
-    points: Sequence[str], vectors: Mapping[str, FloatArray], unit: str
-) -> tuple[list[str], list[list[object]]]:
+def vectors_rows(points: Sequence[str], vectors: Mapping[str, FloatArray]) -> tuple[list[str], list[list[object]]]:
     """Return header and rows of the figure's numbers: one row a point."""
     header = ["point", *(f"{name} {component}" for name in vectors for component in ("ux", "uy")), "unit"]
     rows: list[list[object]] = []
     for number, point in enumerate(points):
         values = [float(value) for vector in vectors.values() for value in vector[number]]
-        rows.append([point, *values, unit])
+        rows.append([point, *values, "m"])
     return header, rows
 
 
-def _bars(
-    axes: Axes, points: Sequence[str], vectors: Mapping[str, FloatArray], colours: Sequence[str], unit: str
-) -> None:
+def _bars(axes: Axes, points: Sequence[str], vectors: Mapping[str, FloatArray], colours: Sequence[str]) -> None:
     """Lengths of the vectors side by side: arrows show directions well, lengths less so."""
     wide = 0.8 / len(vectors)
     for number, ((name, vector), colour) in enumerate(zip(vectors.items(), colours, strict=False)):
         place = np.arange(len(points)) + (number - 0.5 * (len(vectors) - 1)) * wide
         axes.bar(place, np.linalg.norm(vector, axis=1), 0.9 * wide, color=colour, label=name)
     axes.set_xticks(np.arange(len(points)), points)
-    axes.set_ylabel(f"length [{unit}]")
+    axes.set_ylabel("length [m]")
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(visible=True, axis="y", color=GRID, linewidth=0.6)
     axes.set_axisbelow(True)

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from geoswarm.solver.estimates.classical import classical_evaluation
-from geoswarm.solver.estimates.construction import Construction
 from geoswarm.solver.forward.registry import sketches_of
 from geoswarm.solver.identifiability import Samples, Statistics
 from geoswarm.solver.identifiability.prediction.bands import Prediction
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of
 from geoswarm.solver.identifiability.worth.outcome import Design
+from geoswarm.solver.parameter_estimates.classical import classical_evaluation
+from geoswarm.solver.parameter_estimates.values import Construction
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.compared import Compared
 from geoswarm.solver.report.compression import CompressionCurve, compression_curves

@@ -21,6 +21,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.system.extras import has
+from geoswarm.solver.words import power_of_ten
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,7 +100,6 @@ _ROLES = (
     (STEEL, "var(--steel)"),
     (STONE, "var(--stone)"),
 )
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 _LOCK = threading.RLock()  # matplotlib's settings and font caches belong to the process, not to a thread
 _RENDERED: WeakKeyDictionary[Figure, dict[str, bytes]] = WeakKeyDictionary()  # by form
@@ -229,8 +229,7 @@ def tick_text(value: float) -> str:
         return f"{value:.6g}".replace("-", "\N{MINUS SIGN}")
     mantissa, _, power = f"{value:.3g}".partition("e") if "e" in f"{value:.3g}" else f"{value:.2e}".partition("e")
     mantissa = f"{float(mantissa):g}".replace("-", "\N{MINUS SIGN}")
-    raised = str(int(power)).translate(_RAISED)
-    return f"10{raised}" if mantissa == "1" else f"{mantissa}·10{raised}"
+    return power_of_ten(mantissa, power)
 
 
 def png_of(figure: Figure) -> bytes:

@@ -1,7 +1,8 @@
-"""What the follow-ups of a run in a folder have found: each has a folder of its kind inside it."""
+"""Tables of a run in a folder, and what its follow-ups have found: each has a folder of its kind inside it."""
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,11 +15,21 @@ from geoswarm.solver.identifiability.stored.findings import Findings, findings_o
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of, same_question
 from geoswarm.solver.methods.registry import kinds_of
 from geoswarm.solver.problem import Problem, parse_problem
-from geoswarm.solver.report.folder.folder_tables import column, read_table
 from geoswarm.solver.report.folder.run_folder import JOURNAL
 from geoswarm.solver.report.folder.tables import parameter_column
 
-__all__ = ["evaluations_of_folder", "findings_of_folder"]
+__all__ = ["column", "evaluations_of_folder", "findings_of_folder", "read_table"]
+
+
+def read_table(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a CSV file by column."""
+    with path.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def column(rows: list[dict[str, str]], name: str) -> FloatArray:
+    """Return a column of numbers, shape (n,)."""
+    return np.array([float(row[name]) for row in rows], dtype=np.float64)
 
 
 def evaluations_of_folder(folder: Path, problem: Problem) -> list[Evaluation]:

@@ -22,8 +22,7 @@ from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.progress.result import GenerationRecord
 from geoswarm.solver.report.compared import compared_with, read_set
 from geoswarm.solver.report.document.build import Report, linearise_stored
-from geoswarm.solver.report.folder.folder_findings import evaluations_of_folder, findings_of_folder
-from geoswarm.solver.report.folder.folder_tables import column, read_table
+from geoswarm.solver.report.folder.folder_findings import column, evaluations_of_folder, findings_of_folder, read_table
 from geoswarm.solver.report.folder.run_folder import JOURNAL
 from geoswarm.solver.report.folder.tables import parameter_column
 from geoswarm.solver.report.record import BestFit, RunRecord, record_of_result

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from geoswarm.solver.calibration import Evaluation
-from geoswarm.solver.estimates.classical import classical_values
-from geoswarm.solver.estimates.index import estimates_of, index_document
+from geoswarm.solver.parameter_estimates.classical import classical_values
+from geoswarm.solver.parameter_estimates.index import estimates_of, index_document
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult, EvaluationRecord, GenerationRecord
 from geoswarm.solver.report.document.laboratory import calculated_values

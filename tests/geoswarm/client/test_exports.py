@@ -10,7 +10,7 @@ from pathlib import Path
 import geoswarm
 import geoswarm.calibration
 import geoswarm.client
-from geoswarm.client import administration, bodies, errors, models, points
+from geoswarm.client import errors, models, points
 from geoswarm.solver import arrays
 from geoswarm.solver import errors as forward_errors
 from geoswarm.solver.forward import base
@@ -49,7 +49,7 @@ def test_names_outside_all_are_refused() -> None:
 def test_every_error_and_record_is_exported() -> None:
     assert set(errors.__all__) <= set(geoswarm.client.__all__)
     inside = {"read_points"}
-    for module in (models, administration, bodies, points):
+    for module in (models, points):
         assert set(module.__all__) - inside <= set(geoswarm.client.__all__)
     for name in geoswarm.client.__all__:
         assert inspect.getdoc(getattr(geoswarm.client, name)), name

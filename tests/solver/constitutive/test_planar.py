@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geoswarm.solver.constitutive.mohr_coulomb.planar import planar_mohr_coulomb
+from geoswarm.solver.constitutive.mohr_coulomb.step import planar_mohr_coulomb
 from geoswarm.solver.constitutive.soft_soil_creep.general_update import creep_update
 from geoswarm.solver.constitutive.soft_soil_creep.physics import soft_soil_creep
 from geoswarm.solver.laws.soft_soil_creep import SoftSoilCreepLaw

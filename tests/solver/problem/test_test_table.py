@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.estimates.proposal import with_parameters
+from geoswarm.solver.parameter_estimates.proposal import with_parameters
 from geoswarm.solver.problem import load_problem, parse_problem
 from geoswarm.solver.problem.draft import inlined_document
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.solver.estimates.classical import classical_values
-from geoswarm.solver.estimates.value import ClassicalValue
+from geoswarm.solver.parameter_estimates.classical import classical_values
+from geoswarm.solver.parameter_estimates.values import ClassicalValue
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.laboratory_table import Beside, laboratory_document, laboratory_table
 from geoswarm.solver.report.laboratory import laboratory_values

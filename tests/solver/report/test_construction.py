@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoswarm.solver.estimates.classical import calculated_problem, classical_evaluation, classical_values
-from geoswarm.solver.estimates.index import estimates_of
+from geoswarm.solver.parameter_estimates.classical import calculated_problem, classical_evaluation, classical_values
+from geoswarm.solver.parameter_estimates.index import estimates_of
 from geoswarm.solver.report.document.laboratory import calculated_values, laboratory_tables
 from geoswarm.solver.report.document.laboratory_table import Beside, laboratory_table
 from geoswarm.solver.report.figures.construction_plot import (
@@ -16,11 +16,11 @@ from geoswarm.solver.report.figures.construction_plot import (
 )
 from geoswarm.solver.report.figures.style import png_of
 from geoswarm.solver.report.terms import values_in_terms
-from tests.solver.estimates import test_index, test_load_stages, test_shear
+from tests.solver.parameter_estimates import test_consolidation, test_index, test_shear
 
 
 def test_one_construction_of_each_kind_is_drawn_that_of_the_largest_load() -> None:
-    found = classical_evaluation(test_load_stages.problem("two_sides")).constructions
+    found = classical_evaluation(test_consolidation.problem("two_sides")).constructions
     assert [one.name for one in found] == ["root_time_1", "log_time_1", "root_time_2", "log_time_2"]
     chosen = chosen_constructions(found)
     assert [one.name for one in chosen] == ["root_time_2", "log_time_2"]
@@ -66,7 +66,7 @@ def test_the_calculated_curve_goes_through_the_same_ruler() -> None:
 
 
 def test_readings_in_place_of_calculated_values_give_the_same() -> None:
-    one = test_load_stages.problem("two_sides")
+    one = test_consolidation.problem("two_sides")
     same = calculated_problem(one, {o.series: np.array(o.y) for o in one.observations})
     assert classical_values(same) == classical_values(one)
 

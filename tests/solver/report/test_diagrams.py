@@ -11,7 +11,7 @@ from geoswarm.solver.forward.registry import find_spec
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.compression import compression_curves
 from geoswarm.solver.report.diagrams import DiagramCurve, diagram_curves
-from geoswarm.solver.report.document.scope import not_modelled
+from geoswarm.solver.report.document.readings import not_modelled
 from geoswarm.solver.report.figures.compression_plot import compression_figure
 from geoswarm.solver.report.figures.diagram_plot import diagram_figure, diagram_rows
 

@@ -55,7 +55,7 @@ def test_vectors_share_one_scale_and_are_written_as_numbers(mesh: Mesh) -> None:
     assert len(lower.patches) == 4
     assert lower.patches[0].get_height() == pytest.approx(float(np.hypot(0.1, 0.02)), rel=1e-9)
     assert "0.2 m" in svg_of(figure).decode()
-    header, rows = vectors_rows(["A", "B"], vectors, "m")
+    header, rows = vectors_rows(["A", "B"], vectors)
     assert header == ["point", "measured ux", "measured uy", "calculated ux", "calculated uy", "unit"]
     assert rows[1] == ["B", 0.2, -0.04, 0.1, 0.0, "m"]
 

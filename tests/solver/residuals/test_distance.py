@@ -16,7 +16,7 @@ from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.curves import series_curves
 from geoswarm.solver.report.figures.fit_plot import fit_rows
-from geoswarm.solver.residuals.distance import CurveScale, residuals_of
+from geoswarm.solver.residuals import CurveScale, residuals_of
 
 X = np.linspace(0.0, 30.0, 121)
 PLACE, HEIGHT, WIDTH = 21.0, 400.0, 1.2

@@ -15,9 +15,9 @@ from geoswarm.solver.identifiability import Linearisation, from_evaluations
 from geoswarm.solver.identifiability.optimum.differences import evaluate_differences
 from geoswarm.solver.identifiability.optimum.polish import Polished, polish
 from geoswarm.solver.identifiability.residuals.independence import examine_residuals
-from geoswarm.solver.objective import TUNING, Loss, LossKind
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.curves import series_curves
+from geoswarm.solver.residuals import TUNING, Loss, LossKind
 from tests.solver.identifiability.cases import free, problem_of
 
 KINDS: tuple[LossKind, ...] = ("soft_l1", "huber", "cauchy")

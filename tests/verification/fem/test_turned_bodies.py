@@ -14,8 +14,7 @@ import pytest
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.tensors import rotation_matrix
 from geoswarm.solver.fem.materials import Material
-from geoswarm.solver.fem.mesh.mesh import Mesh
-from geoswarm.solver.fem.mesh.quadratic import boundary_edges, midpoints, six_node_triangles
+from geoswarm.solver.fem.mesh.mesh import Mesh, boundary_edges, midpoints, six_node_triangles
 from geoswarm.solver.fem.phases import Control, Fixity, Phase
 from geoswarm.solver.fem.solve import Calculation
 from geoswarm.solver.laws.base import Law

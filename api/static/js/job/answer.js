@@ -33,7 +33,7 @@ function endedShort({ statistics, job }) {
 }
 
 /** Which bound a value lies at: "lower", "upper" or null. */
-export function boundTouched(value, { lower, upper, scale }) {
+function boundTouched(value, { lower, upper, scale }) {
   const place = scale === "log" && value > 0 ? Math.log(value / lower) / Math.log(upper / lower) : (value - lower) / (upper - lower);
   return place <= NEAR ? "lower" : place >= 1 - NEAR ? "upper" : null;
 }

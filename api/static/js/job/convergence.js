@@ -3,7 +3,7 @@ import { empty } from "../dom.js";
 import { withUnit } from "../format.js";
 import { paced } from "../pace.js";
 import { colour, palette, plot } from "../plot.js";
-import { thinned } from "../thin.js";
+import { thinned } from "../scales.js";
 
 const MOST = 1500, INTERVAL = 500;
 

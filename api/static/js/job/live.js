@@ -3,7 +3,7 @@ import { announce, connection } from "../dom.js";
 import { get } from "../http.js";
 import { LATER, paced } from "../pace.js";
 import { follow } from "../stream.js";
-import { thinned } from "../thin.js";
+import { thinned } from "../scales.js";
 import { openNamed } from "./evaluation.js";
 
 const { job: id } = document.querySelector("main").dataset;

@@ -4,7 +4,7 @@ import { count, duration } from "../format.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
 import { ENDED } from "../states.js";
-import { ticks } from "../ticks.js";
+import { ticks } from "../scales.js";
 import { openEvaluation } from "./evaluation.js";
 
 const LIMIT = 1000, INTERVAL = 5000, LANE = 22, TOP = 4, BOTTOM = 22; // px

@@ -1,7 +1,6 @@
 // Paints a body on a canvas: regions or contours, deformed as wanted, with its mesh, outline and vectors.
-import { tickText } from "../ticks.js";
+import { COLOURS, tickText } from "../scales.js";
 import { colour, palette } from "../plot.js";
-import { COLOURS } from "../ramp.js";
 import { PIECES, between, roundDown } from "./geometry.js";
 
 export const INTERFACE = "--series-2"; // its colour

@@ -9,7 +9,7 @@ import { button, sentence } from "./schema_form.js";
 const MODES = { free: "free", fixed: "fixed", linked: "linked" };
 
 /** What a section of a parameter is; null when it is not given. */
-export function modeOf(section) {
+function modeOf(section) {
   if (!section || typeof section !== "object") return null;
   if ("expression" in section) return "linked";
   return "value" in section ? "fixed" : "free";

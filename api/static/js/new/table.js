@@ -4,7 +4,7 @@ import { errorPlace, field, idOf, numberOf } from "./fields.js";
 import { words } from "./schema.js";
 
 /** Rows that were copied from a spreadsheet: cells between tabs (or semicolons), numbers where they are some. */
-export function pastedRows(text) {
+function pastedRows(text) {
   const lines = text.replace(/\r/g, "").split("\n").filter((line) => line.trim());
   return lines.map((line) => line.split(/\t|;/).map((cell) => numberOf(cell)));
 }

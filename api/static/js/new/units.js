@@ -15,15 +15,6 @@ export function unitsOf(base) {
   return OFFERED[plain] ?? [plain];
 }
 
-/** Fitting columns for a series' x and y: by dimension, else by place. */
-export function guessedColumns(columns, series) {
-  const usable = columns.map((column, i) => ({ ...column, i })).filter((column) => column.kind !== "text");
-  const suits = (base, taken) => usable.find((one) => one.i !== taken && one.base === plainBase(base));
-  const x = suits(series?.x_unit ?? "day", -1) ?? usable[0];
-  const y = suits(series?.y_unit ?? "m", x?.i) ?? usable.find((one) => one.i !== x?.i && one.base === null) ?? usable.find((one) => one.i !== x?.i);
-  return { x: x?.i ?? null, y: y?.i ?? null };
-}
-
 const LENGTH = { um: 1e-6, "µm": 1e-6, mm: 1e-3, cm: 1e-2, m: 1, km: 1e3 };
 const TIME = { s: 1, min: 60, h: 3600, d: 86400, day: 86400, days: 86400, week: 604800, a: 31557600, year: 31557600 };
 const FORCE = { N: 1, kN: 1e3, MN: 1e6 };

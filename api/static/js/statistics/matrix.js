@@ -1,11 +1,10 @@
 // The matrix plot: below the diagonal scatter plots of two parameters, on it the objective over one, above it correlations.
 // Points are painted on two canvases (all evaluations behind, good fits in front), so that the slider paints few of them.
 import { element, svg } from "../dom.js";
-import { coefficient, number, withUnit } from "../format.js";
+import { coefficient, withUnit } from "../format.js";
 import { colour } from "../plot.js";
-import { COLOURS } from "../ramp.js";
-import { natural, place } from "./cloud.js";
-import { tickText, ticks } from "../ticks.js";
+import { place } from "./cloud.js";
+import { COLOURS, tickText, ticks } from "../scales.js";
 
 const LEFT = 70, TOP = 10, BOTTOM = 54, RIGHT = 14, GAP = 8;
 const SMALLEST = 86, LARGEST = 190;
@@ -260,9 +259,4 @@ export class Matrix {
 
 function sideways(text, y) {
   return svg("text", { class: "label", transform: `translate(14 ${y}) rotate(-90)`, "text-anchor": "middle" }, text);
-}
-
-/** A range of a parameter in words. */
-export function rangeText(parameter, [low, high]) {
-  return `${parameter.symbol} from ${number(natural(parameter, low), 3)} to ${number(natural(parameter, high), 3)} ${parameter.unit === "-" ? "" : parameter.unit}`.trim();
 }

@@ -12,7 +12,7 @@ export async function fetchPoints(job, { responses = false, signal } = {}) {
   return decoded(await answer.arrayBuffer());
 }
 
-export function decoded(buffer) {
+function decoded(buffer) {
   const size = new DataView(buffer).getUint32(0, true);
   const { columns, ...head } = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, size)));
   const found = { ...head, values: [], misfits: {}, responses: {} };

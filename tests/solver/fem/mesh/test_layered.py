@@ -11,8 +11,7 @@ from geoswarm.solver.errors import MeshError
 from geoswarm.solver.fem.mesh.checks import mesh_faults
 from geoswarm.solver.fem.mesh.cross_section import Cut, Layer, SectionGeometry, SurfacePoint
 from geoswarm.solver.fem.mesh.layered import LayeredMesh
-from geoswarm.solver.fem.mesh.mesh import Mesh
-from geoswarm.solver.fem.mesh.quadratic import boundary_edges
+from geoswarm.solver.fem.mesh.mesh import Mesh, boundary_edges
 from tests.solver.fem.mesh.sections import area_of, creeping_slope, embankment, profile
 
 TEN_METRES = profile((0.0, 10.0))

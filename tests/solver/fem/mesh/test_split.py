@@ -7,8 +7,7 @@ import pytest
 
 from geoswarm.solver.errors import MeshError
 from geoswarm.solver.fem.mesh.checks import mesh_faults
-from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh
-from geoswarm.solver.fem.mesh.quadratic import boundary_edges, midpoints, six_node_triangles
+from geoswarm.solver.fem.mesh.mesh import IndexArray, Mesh, boundary_edges, midpoints, six_node_triangles
 from geoswarm.solver.fem.mesh.split import split_along
 
 

@@ -10,7 +10,7 @@ from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.forward.continuum.fields import body_of, displacement_fields, parts_with_body, shear_strain
 from geoswarm.solver.forward.registry import parse_spec
 from geoswarm.solver.problem import parse_problem
-from geoswarm.solver.runner.fields import evaluate_fields
+from geoswarm.solver.runner.evaluator import evaluate_fields
 from tests.solver.forward.continuum.bodies import OEDOMETER, creeping, ground, spec
 
 VALUES = {"depth": 6.0, "E_rock": 1.0e5, "q": 50.0}

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoswarm.cli.words.labels import parameter_rows
+from geoswarm.cli.words.output import parameter_rows
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import ForwardError, ProblemError
 from geoswarm.solver.external.interpolation import at_points

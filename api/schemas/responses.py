@@ -1,0 +1,110 @@
+"""Lists and small answers of the routes; larger ones are records (:mod:`geoswarm.records`).
+
+Timestamps are ISO 8601 in UTC. Numbers that are not finite are null: JSON knows no NaN.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
+
+from geoswarm.records.evaluation import Attempt, Evaluation
+from geoswarm.records.job import Generation, Job
+from geoswarm.records.problem import ForwardModelSummary, WarmStart
+from geoswarm.records.service import Worker
+from geoswarm.solver.problem import Stopping
+
+__all__ = [
+    "AttemptList",
+    "EvaluationPage",
+    "ForwardModelList",
+    "GenerationList",
+    "JobChange",
+    "JobPage",
+    "Liveness",
+    "Number",
+    "SignIn",
+    "WarmStarts",
+    "WorkerList",
+]
+
+
+def _finite(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+Number = Annotated[float | None, BeforeValidator(_finite)]
+
+
+class Model(BaseModel):
+    """Read from the attributes of a view."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+
+class JobPage(Model):
+    """Jobs, newest first."""
+
+    items: list[Job]
+    next_cursor: str | None = Field(description="give it as cursor to get the next page; null at the end")
+
+
+class AttemptList(Model):
+    """Attempts in the order in which they started."""
+
+    items: list[Attempt]
+
+
+class JobChange(BaseModel):
+    """What can be changed in an existing job."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    stopping: Stopping = Field(description="the new stop criteria, instead of all previous ones")
+
+
+class EvaluationPage(Model):
+    """Evaluations ordered by generation and particle."""
+
+    items: list[Evaluation]
+    next_cursor: str | None = Field(description="give it as cursor to get the next page; null at the end")
+
+
+class GenerationList(Model):
+    """Generations in order."""
+
+    items: list[Generation]
+
+
+class WorkerList(Model):
+    """Workers seen recently."""
+
+    items: list[Worker]
+
+
+class WarmStarts(Model):
+    """Earlier jobs that a search can use, newest first, at most five."""
+
+    items: list[WarmStart]
+
+
+class ForwardModelList(Model):
+    """Installed kinds of forward models."""
+
+    items: list[ForwardModelSummary]
+
+
+class Liveness(Model):
+    """The process answers."""
+
+    status: Literal["ok"] = "ok"
+
+
+class SignIn(BaseModel):
+    """What a browser signs in with."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    key: SecretStr = Field(min_length=1, max_length=500, description="an API key")
