@@ -23,11 +23,11 @@ from geoswarm.solver.problem.readings.preparation import Preparation, Preparatio
 from geoswarm.solver.problem.readings.units import UNSTATED
 from geoswarm.solver.problem.stages import by_stage, stage_times
 from geoswarm.solver.problem.tables.blocks import shown
-from geoswarm.solver.problem.tables.cells import file_content, read_cells
+from geoswarm.solver.problem.tables.cells import read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
-from geoswarm.solver.problem.tables.reading import DoubtError, TableError, UnnamedColumnsError
+from geoswarm.solver.problem.tables.reading import DoubtError, TableError, UnnamedColumnsError, file_content
 from geoswarm.solver.problem.text.reading import read_document
 from geoswarm.solver.sentences import Key, relative
 from geoswarm.solver.units import UnitError, convert
@@ -211,9 +211,9 @@ def points_of_file(
         return None, issues
     if (sign := sign_question(section, table.y_heading)) is not None:
         return None, [Issue.about(f"{path}.y_column", sign, f"{path}.")]
-    table, wrong = by_stage(table, section.series, section.x_unit, spec)
+    table, wrong = by_stage(table, section, spec)
     if wrong is not None:
-        return None, [Issue(f"{path}.x_column", wrong)]
+        return None, [Issue.about(f"{path}.x_column", wrong, f"{path}.")]
     points = Points(
         table.x,
         table.y,

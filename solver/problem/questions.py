@@ -13,6 +13,7 @@ from geoswarm.solver.forward.base import ForwardModelSpec, SeriesInfo
 from geoswarm.solver.forward.registry import built
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.readings.units import USUAL, divided_by_size, unit_of_axis
+from geoswarm.solver.problem.stages import section_of_test
 from geoswarm.solver.problem.tables.blocks import key
 from geoswarm.solver.problem.tables.columns import Columns, Table
 from geoswarm.solver.problem.tables.headings import Heading, without_brackets
@@ -28,9 +29,12 @@ __all__ = ["columns_question", "further_doubts", "sign_question"]
 _MOST_SHOWN = 20
 _MOST_RANKED = 50
 _FIRST = 3
-_UNTOLD, _OTHER, _NOTHING = 4, 6, 7
-"""Ranks of columns: no word or unit says what they hold, words or units say another quantity, no numbers."""
+_ALIKE, _UNTOLD, _OTHER, _NOTHING = 1, 4, 6, 7
+"""Ranks of columns: words of another strain, no word or unit that says what they hold, words or units of another
+quantity, no numbers."""
 _SLACK = 1.0 + 1e-9
+_ROUNDED = 0.01
+"""Part of a load that a file may round."""
 _NO_PLAIN_SCALAR = re.compile(
     r"^[\s\[\]{}&*!|>%@#,?\-`'\"]|:(?:\s|$)|\s#|\s$|^[\d.+]+$|^(?:true|false|null|yes|no|on|off|~)$", re.IGNORECASE
 )
@@ -66,6 +70,8 @@ def columns_question(section: ObservationSection, content: bytes, name: str, spe
             _reference(found, one) for one in alike if one is not column and one not in (columns[i] for i in best)
         ]
         told = f"; or {', '.join(others[:_FIRST])}: no heading says so" if others else ""
+        if own[place][0] == _ALIKE and axis.quantity.replace(" ", "_") not in column.quantities:
+            told = f"; its heading says {column.quantities[0].replace('_', ' ')}"
         if own[place][0] > _UNTOLD:
             told = f"; no heading says {axis.quantity or axis.name}"
         lines += [
@@ -76,7 +82,8 @@ def columns_question(section: ObservationSection, content: bytes, name: str, spe
         further = axis.unit_lines(column)
         units = ", and in what unit" if further else units
         lines += further + _in_doubt(column, axis.name)
-    lines += _rows_lines(found, columns[best[0]], columns[best[1]], axes[0], section)
+    stresses = _stresses(section.series, spec)
+    lines += _rows_lines(found, columns[best[0]], columns[best[1]], axes[0], section, stresses)
     lines += _specimen(found) if section.where is None else []
     lines += _sheet_lines(found, [columns[place] for _, place, _ in asked]) if section.sheet is None else []
     what = listed(
@@ -137,9 +144,9 @@ class _Axis:
         if places and not repeated:
             return 0, places[0]
         if any("strain" in one for one in self.names) and any("strain" in one for one in column.quantities):
-            return 1, 0
+            return _ALIKE, 0
         if self.by_load and column.base in ("kPa", None) and column.other_unit is None and is_load(column.quantities):
-            return 1, 0
+            return 0, 1
         meant = self.base or "dimensionless"
         said = {dimension_of(one) for one in column.quantities} - {None}
         own = self.name == "x" and meant in said
@@ -301,8 +308,13 @@ def _specimen(found: Measurements) -> list[str | Key]:
     return []
 
 
-def _rows_lines(found: Measurements, x: Column, y: Column, axis: _Axis, section: ObservationSection) -> list[str | Key]:
-    """Which rows take part: of one stage, with a number in every column; and x that begin before the series or fall."""
+def _rows_lines(
+    found: Measurements, x: Column, y: Column, axis: _Axis, section: ObservationSection, stresses: Sequence[float]
+) -> list[str | Key]:
+    """Which rows take part: of one stage, with a number in every column; and x that begin before the series or fall.
+
+    ``stresses`` are the loads of the stages, where x may be such loads.
+    """
     if ":" in x.letters + y.letters:
         return []
     rows = list(range(min(len(x.values), len(y.values))))
@@ -315,8 +327,14 @@ def _rows_lines(found: Measurements, x: Column, y: Column, axis: _Axis, section:
         lines += _added("incomplete_rows", "leave_out", f"{count} no number in one of the columns")
     given = [x.values[row] for row in rows if y.values[row] is not None]
     values = [value for value in given if value is not None]
-    if x.doubt is not None or axis.by_load or not values or {"x_factor", "x_from"} & section.model_fields_set:
+    if x.doubt is not None or not values or {"x_factor", "x_from"} & section.model_fields_set:
         return lines
+    if axis.by_load:
+        loads = x.base == "kPa" or is_load(x.quantities)
+        first = float(convert(values[0], x.unit or "kPa", "kPa")) if loads else values[0]
+        low = max(stresses[:1], default=0.0) * (1.0 - _ROUNDED) if loads else axis.low
+        early = f"x begins at {values[0]:g}, before the first stage"
+        return lines + (_added("x_from", "1", early) if first < low else [])
     if axis.low == 0.0 and min(values) < 0.0 and x.kind == "number":
         if max(values) <= 0.0:
             return lines + _added("x_factor", "-1", "no x is above 0")
@@ -327,6 +345,12 @@ def _rows_lines(found: Measurements, x: Column, y: Column, axis: _Axis, section:
     if axis.increasing and section.repeated_x is None and len(set(values)) < len(values):
         lines += _added("repeated_x", "average", "or shift: several rows have the same x")
     return lines
+
+
+def _stresses(series: str, spec: ForwardModelSpec | None) -> list[float]:
+    """Loads of the stages, kPa, of the test that a series belongs to."""
+    stages = () if spec is None else getattr(section_of_test(spec, series)[1], "stages", ())
+    return [stage.stress for stage in stages if hasattr(stage, "stress")]
 
 
 def _stage(found: Measurements, x: Column, rows: list[int]) -> tuple[list[str | Key], list[int]]:

@@ -7,7 +7,6 @@ import re
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
-from pathlib import Path
 from typing import TypeAlias
 
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
@@ -58,7 +57,6 @@ __all__ = [
     "Beside",
     "Sheet",
     "factors_beside",
-    "file_content",
     "number_in",
     "read_cells",
     "with_factors",
@@ -104,26 +102,6 @@ class Sheet:
     header: list[str]
     rows: list[tuple[int, list[Cell]]]
     grid: dict[int, list[Cell]]
-
-
-def file_content(path: Path) -> bytes:
-    """Return what a file holds.
-
-    Raises
-    ------
-    TableError
-        It is missing, unreadable, or too large.
-    """
-    if path.is_fifo():  # a pipe would be waited for
-        raise TableError(f"{path} is a pipe, not a file")
-    try:
-        with path.open("rb") as file:
-            return file.read(MAX_TABLE_BYTES + 1)
-    except FileNotFoundError:
-        raise TableError(f"no such file: {path}") from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise TableError(f"{path} cannot be read: {reason}") from None
 
 
 def read_cells(
@@ -376,8 +354,10 @@ def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[C
         for line, row in sheet.grid.items()
         if line not in used and not sheet.header_line <= line < first
     ]
+    remarks = _remarks(sheet)
+    lines += [("remark", text) for text in remarks]
     named = [Beside(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
-    notes = [text for where, text in lines if where == "comment"]
+    notes = [*(text for where, text in lines if where == "comment"), *remarks]
     for line, row in sheet.grid.items():
         if line > first and line not in used:
             notes.append(" ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE])
@@ -388,6 +368,15 @@ def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[C
         if unit is not None and (of := frozenset(quantities_of(unit.label))):
             named.append(Beside(text, of, unit))
     return named + _factor_columns(sheet.header, body)
+
+
+def _remarks(sheet: Sheet) -> list[str]:
+    """Texts beside the first readings, and headings without any."""
+    rows = [row for _, row in sheet.rows[:_FIRST_FACTORS]]
+    filled = {place for row in rows for place, cell in enumerate(row) if cell != ""}
+    texts = [cell for row in rows for cell in row if isinstance(cell, str) and not is_reading(cell)]
+    texts += [name for place, name in enumerate(sheet.header) if place not in filled]
+    return [text[:_LONGEST_LINE] for text in dict.fromkeys(texts) if _WORD.search(text) is not None]
 
 
 def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> list[Beside]:

@@ -60,6 +60,7 @@ _VALUE_BEFORE = re.compile(
 _LETTERS = re.compile(r"([A-Za-z]{1,3}):\1")  # a column without a heading: H:H are no hours
 _LETTER = re.compile(r"[^\W\dxeE_]|[%‰°]")
 _NUMBERED = re.compile(r"^[a-ln-zA-Z]\d+$|[A-Za-z]1(?!\d)")  # s1, A2, min1: names, not powers
+_SIGNS = ("%", "‰")
 _SIZES = ("m", "kPa")  # "Setzung mm bzw. cm"
 _LONGEST = 200
 
@@ -214,6 +215,9 @@ def units_of(heading: str) -> tuple[Named, ...]:
             found.append(Named(None, None, True, inner, heading))
     if any(one.certain and one.unit is not None for one in found):
         found = [one for one in found if one.certain]  # "Normalkraft (N) [kN]": N is the symbol
+        bases = {one.base for one in found}
+        others = (one for one in _outside(" ".join(plain.split()), heading) if one.base in bases)
+        found += [one for one in others if one.certain or one.text in _SIGNS]  # "Setzung [mm] in cm"
     if not found:
         found = list(_outside(" ".join(plain.split()), heading))
     found += [one for one in [_altered(heading, found)] if one is not None]

@@ -12,9 +12,9 @@ __all__ = ["dimension_of", "factor_in", "is_column_of_factors", "is_heave", "is_
 _HEAVE = (
     r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
     r"|hebung|verformung|ma(?:ß|ss))|schwell(?:ung|dehnung|hebung)"
-    r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index)))"
+    r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index))|gonflement|soul[èe]vement)"
     r"(?![^\W\d_])(?!\s*\(?[=:]?\s*(?:[-−–]\s*(?:\)|$)|neg))"  # "Setzung, Hebung (-)" is a settlement
-    r"|(?:[-−–]|neg\w*) ?=? ?(?:nach unten|down)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
+    r"|(?:[-−–]|n[ée]g\w*) ?=? ?(?:nach unten|down|vers le bas)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
     r"|(?:\+|pos\w*) ?=? ?(?:nach oben|up)|(?:nach oben|up(?:wards?)?) ?=? ?(?:pos|\+)"
 )
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -29,7 +29,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
     (_HEAVE, ("heave",)),
-    (r"höhe\b|hoehe\b|\bheight\b(?! change)(?<!change in height)(?<!change of height)", ("height",)),
+    (r"höhe\b|hoehe\b|\bhauteur\b|\bheight\b(?! change)(?<!change in height)(?<!change of height)", ("height",)),
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
     (r"überdruck|ueberdruck|excess pore|excess pwp|^(delta|[dδ∆]) ?u$", ("excess_pore_pressure", "pore_pressure")),
     (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
@@ -130,7 +130,7 @@ _FACTOR = r"(?:10\s?(?:\^|\*\*)?\s?[-−]\s?\d|1\s?[/:]\s?10+|\d+(?:[.,]\d+)?(?:
 _SCALED_LINE = re.compile(
     r"(?:(?<![^\W\d_])(?<!safety )(?<!shape )(?<!form )(?<!gauge )(?<!time )(?:(?:umrechnungs|skalierungs|mess(?:wert)?"
     r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling)[- ]?)?fa[ck]tor(?:s|en)?(?![^\W\d_])(?! of safety)"
-    r"|(?<![^\W\d_])(?:skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
+    r"|(?<![^\W\d_])(?:skala|skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
     rf"\D{{0,40}}?({_FACTOR})(?![\d.,])"
     rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"
     rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+(?:in\s+(1\s?/\s?10+|0?[.,]0*1|{PARTS})\s*\W?$"
