@@ -28,8 +28,9 @@ _MOST = 0.7
 """Largest strain to be believed at the end of a test."""
 _LEAST_INDEX = 2.0e-4
 """Least strain to be believed for each ln(stress): a tenth of the lowest usual kappa_star."""
-_NOTHING = 0.1
-"""Part of that least strain below which readings cannot be those of a soil."""
+_NOTHING = 0.5
+"""Part of that least strain below which readings cannot be those of a soil: its modulus would be that of rock, 4 GPa
+at 400 kPa. Settlements of a clay in mm that are taken for µm are some 0.1 to 0.3 of it."""
 _VOID_RATIO = (0.05, 15.0)
 _NEGATIVE = 3.0
 """The lowest reading is negative, and this many times as far from zero as the highest."""

@@ -262,10 +262,11 @@ def _table(
 
 
 def _settled(table: Table, section: ObservationSection) -> Table:
-    """The table without the factors of its headings about which the section says how to multiply."""
-    axes = [axis for axis in ("x", "y") if f"{axis}_factor" in section.model_fields_set]
-    headings = {f"{axis}_heading": getattr(table, f"{axis}_heading").without_factors() for axis in axes}
-    return replace(table, **headings)
+    """The table without the factors and offsets of its headings about which the section says what is done."""
+    x, y, given = table.x_heading, table.y_heading, section.model_fields_set
+    x = x.without("factor", "sign") if "x_factor" in given else x
+    y = y.without("factor", "sign") if "y_factor" in given else y
+    return replace(table, x_heading=x, y_heading=y.without("offset") if {"y_zero", "y_minus"} & given else y)
 
 
 def _of_block(section: ObservationSection, block: BlockSection | None) -> ObservationSection:

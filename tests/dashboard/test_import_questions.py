@@ -101,3 +101,14 @@ def test_the_stage_of_a_file_of_several_is_asked_for(embedded: Site, visit: Visi
     expect(mapping.locator(".todo")).to_have_count(0)
     page.locator("#take").click()
     expect(yaml(page)).to_have_value(re.compile(r"x: \[0, 1, 2\]"))
+
+
+def test_the_time_of_day_is_no_part_of_a_strain(embedded: Site, visit: Visit) -> None:
+    """The first series that was proposed took it; with another one, strains were no dates."""
+    page, _ = visit(embedded, "/new?example=triaxial")
+    rows = "2019-02-11;06:30:24;0,1;10\n2019-02-11;06:31:26;0,2;20\n"
+    mapping = drop(page, f"Datum;Uhrzeit;Stauchung [%];p [kPa]\n{rows}")
+    mapping.get_by_label("Column of x", exact=True).select_option(label="Datum")
+    expect(mapping.get_by_role("status")).to_contain_text("X counts from 2019-02-11 06:30:24.")
+    mapping.get_by_label("Column of x", exact=True).select_option(label="Stauchung [%]")
+    expect(mapping.get_by_role("status")).to_have_text("2 readings.")

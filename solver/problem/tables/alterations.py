@@ -10,10 +10,11 @@ from geoswarm.solver.problem.tables.unit_words import PARTS, SUMS
 
 __all__ = ["ALTERED", "Alteration", "alteration_in", "referred_apart"]
 
-Alteration: TypeAlias = Literal["factor", "sign", "function", "increment", "sum", "absolute", "share"]
+Alteration: TypeAlias = Literal["factor", "offset", "sign", "function", "increment", "sum", "absolute", "share"]
 
 ALTERED: dict[Alteration, str] = {
     "factor": "has a factor",
+    "offset": "may have an offset",
     "sign": "has a sign",
     "function": "has a function",
     "increment": "is a step",

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import TypeAlias
 
+from geoswarm.solver.problem.tables.alterations import Alteration
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
 from geoswarm.solver.problem.tables.headings import (
     Heading,
@@ -20,7 +21,7 @@ from geoswarm.solver.problem.tables.headings import (
     units_of,
 )
 from geoswarm.solver.problem.tables.packed import Cell
-from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, quantities_of
+from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, offset_in, quantities_of
 from geoswarm.solver.problem.tables.reading import (
     BLANKS,
     MAX_TABLE_BYTES,
@@ -43,6 +44,7 @@ _SUMMARY = re.compile(
     re.IGNORECASE,
 )
 _PEST = re.compile(r"\s*(?:(pcf)(?:\s+version\b.*)?|(?:pif|[pj]tf)\s+[^\w\s])\s*$", re.IGNORECASE | re.MULTILINE)
+_OTHER_CHANNEL = re.compile(r"kraft|force|load ?cell|temperat", re.IGNORECASE)
 _WORD = re.compile(r"[^\W\d_]{3}")
 _SOME_ROWS = 3
 _MANY_ROWS = 50
@@ -66,11 +68,12 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Beside:
-    """A line or column that names a factor, or a ``unit``, of quantities; of all where ``of`` is empty."""
+    """A line or column that names a factor, an offset or a ``unit`` of quantities; of all where ``of`` is empty."""
 
     text: str
     of: frozenset[str]
     unit: Named | None = None
+    alters: Alteration = "factor"
 
 
 Area: TypeAlias = tuple[int, int, int, int | None]
@@ -356,7 +359,13 @@ def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[C
     ]
     remarks = _remarks(sheet)
     lines += [("remark", text) for text in remarks]
-    named = [Beside(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
+    found: tuple[tuple[Alteration, Callable[[str], str | None]], ...] = ("factor", factor_in), ("offset", offset_in)
+    named = [
+        Beside(f"{where}: {text}", _meant(text), None, alters)
+        for where, text in lines
+        for alters, named_in in found
+        if named_in(text)
+    ]
     notes = [*(text for where, text in lines if where == "comment"), *remarks]
     for line, row in sheet.grid.items():
         if line > first and line not in used:
@@ -368,6 +377,11 @@ def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[C
         if unit is not None and (of := frozenset(quantities_of(unit.label))):
             named.append(Beside(text, of, unit))
     return named + _factor_columns(sheet.header, body)
+
+
+def _meant(text: str) -> frozenset[str]:
+    """The quantities that a line names; ``force`` stands for the other channels of a machine."""
+    return frozenset(quantities_of(text) or (["force"] if _OTHER_CHANNEL.search(text) else []))
 
 
 def _remarks(sheet: Sheet) -> list[str]:
@@ -399,7 +413,7 @@ def with_factors(heading: Heading, lines: Iterable[Beside]) -> Heading:
         return heading
     time = "time" in meant or any(one.base == "day" for one in heading.named)
     further = [
-        one.unit or Named(None, None, True, one.text, heading.name, alters="factor")
+        one.unit or Named(None, None, True, one.text, heading.name, alters=one.alters)
         for one in lines
         if one.of & meant or not (time or one.unit or (one.of and meant))
     ]

@@ -107,9 +107,9 @@ class Heading:
     in_cells: bool = False
     first: tuple[float, ...] = ()
 
-    def without_factors(self) -> Heading:
-        """The same where somebody says what the numbers are to be multiplied by."""
-        return replace(self, named=tuple(one for one in self.named if one.alters not in ("factor", "sign")))
+    def without(self, *alterations: Alteration) -> Heading:
+        """The same where somebody says what is to be done about these."""
+        return replace(self, named=tuple(one for one in self.named if one.alters not in alterations))
 
     @property
     def unit(self) -> str | None:

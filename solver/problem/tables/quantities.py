@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from geoswarm.solver.problem.tables.unit_words import PARTS
 
-__all__ = ["dimension_of", "factor_in", "is_column_of_factors", "is_heave", "is_load", "quantities_of"]
+__all__ = ["dimension_of", "factor_in", "is_column_of_factors", "is_heave", "is_load", "offset_in", "quantities_of"]
 
 _HEAVE = (
     r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
@@ -155,6 +155,24 @@ def factor_in(line: str) -> str | None:
     more = re.findall(_FACTOR, rest) if re.fullmatch(r"[\s\d.,;eE+-]*", rest) else []  # a factor for each channel
     factors = [next(filter(None, found.groups())), *more]
     return next((one for one in factors if re.fullmatch(r"0*1(?:[.,]0*)?", one) is None), None)
+
+
+_OFFSET_LINE = re.compile(
+    r"(?:(?<![^\W\d_])(?:offset|null(?:punkt|ablesung|wert|lage)|anfangs(?:wert|ablesung)|tar[ea]|bias"
+    r"|(?:zero|initial|start(?:ing)?)[ -](?:reading|point|value|offset))(?![^\W\d_]))"
+    r"\D{0,40}?[-+−]?(\d+(?:[.,]\d+)?|[.,]\d+)",
+    re.IGNORECASE,
+)
+
+
+def offset_in(line: str) -> str | None:
+    """The offset of a gauge that a line outside a table names; None for none, and for 0.
+
+    >>> offset_in("Nullablesung [mm]: 12,31"), offset_in("Offset;0,0")
+    ('12,31', None)
+    """
+    found = _OFFSET_LINE.search(line)
+    return None if found is None or not found[1].strip("0.,") else found[1]
 
 
 _COLUMN_OF_FACTORS = re.compile(

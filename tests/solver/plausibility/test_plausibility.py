@@ -314,7 +314,8 @@ def test_stresses_and_state_variables_are_no_strains() -> None:
     [
         ({"y_unit": "m"}, True),  # more than the specimen
         ({"y_unit": "nm"}, True),  # nothing
-        ({"y_unit": "um"}, False),  # hardly, and a very stiff soil may
+        ({"y_unit": "um"}, True),  # its modulus would be that of rock
+        ({"y_unit": "um", "points": {"x": [1, 2], "y": [7, 15]}}, False),  # hardly, and a very stiff soil may
         ({"series": "axial_strain", "y_unit": "1", "points": {"x": [1, 2], "y": [3, 5]}}, True),
         ({"series": "axial_strain", "y_unit": "%", "points": {"x": [1, 2], "y": [3, 5]}}, False),
         ({"points": {"x": [1, 2], "y": [-3, -5]}}, False),

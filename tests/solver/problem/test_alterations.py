@@ -16,7 +16,7 @@ from geoswarm.solver.problem.tables.quantities import is_heave, quantities_of
 from geoswarm.solver.sentences import plain
 from tests.solver.problem.test_laboratory_files import sheet_rows
 from tests.solver.problem.test_measurements import workbook
-from tests.solver.problem.test_units_beside_headings import NUMBERS, metres
+from tests.solver.problem.test_units_beside_headings import NUMBERS, metres, settled
 
 
 @pytest.mark.parametrize(
@@ -208,6 +208,21 @@ def test_a_remark_beside_the_readings_that_scales_is_asked_for(remark: str) -> N
         workbook(("s", sheet_rows(("Zeit [min]", "Setzung [mm]", "", remark), (1, 1.0), (2, 2.0)))),
     ):
         assert f"has a factor, 'remark: {remark}'" in metres(content)
+
+
+@pytest.mark.parametrize("line", ["Offset;5", "Nullablesung [mm]: 12,31", "zero reading = 5 mm", "# Tara 0,5"])
+def test_an_offset_beside_the_table_is_asked_for(line: str) -> None:
+    """It was passed over."""
+    content = f"{line}\nZeit [min];Setzung [mm]\n{NUMBERS}"
+    assert "may have an offset, " in (said := metres(content))
+    assert "give y_zero, which is subtracted, or y_unit, which says that none is" in said
+    assert settled(content, y_zero={"y": 0.5}) == [0.0005, 0.0015, 0.0025]
+    assert settled(content, y_unit="mm") == [0.001, 0.002, 0.003]
+
+
+@pytest.mark.parametrize("line", ["Offset;0", "Offset Kraft;5", "Nullpunkt abgezogen: nein", "Offset Zeit;5"])
+def test_no_offset_and_one_of_something_else_are_passed_over(line: str) -> None:
+    assert metres(f"{line}\nZeit [min];Setzung [mm]\n{NUMBERS}") == [0.001, 0.002, 0.003]
 
 
 def test_a_remark_that_does_not_scale_is_passed_over() -> None:

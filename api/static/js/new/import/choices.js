@@ -16,12 +16,12 @@ export function suit(state, file, info, y = null) {
   suitUnits(state, file, info);
   const weight = file.columns.findIndex((column) => column.name.trim().toLowerCase() === "weight");
   if (weight >= 0) state.more.weight_column ??= weight;
-  const clocks = file.columns.map((column, i) => [column, i]).filter(([column]) => column.kind === "clock");
-  if (clocks.length === 1 && file.columns[state.x]?.kind === "time") state.more.x_time_column ??= clocks[0][1];
 }
 
-/** The unit that a heading names, whether it fits or not; where it names none and the series has one, that given by hand, else it is asked for. */
+/** The unit that a heading names, whether it fits or not; where it names none and the series has one, that given by hand, else it is asked for. The only column of times of day belongs to dates. */
 export function suitUnits(state, file, info, axes = ["x", "y"]) {
+  const clocks = file.columns.flatMap((column, i) => (column.kind === "clock" ? [i] : []));
+  if (clocks.length === 1 && file.columns[state.x]?.kind === "time") state.more.x_time_column ??= clocks[0];
   for (const axis of axes) {
     const column = file.columns[state[axis]];
     const clock = axis === "x" && column?.kind === "clock";
@@ -121,7 +121,7 @@ export function section(file, state) {
     series: state.series, sheet: file.sheet && !named && !blocks?.[0].sheet ? file.sheet : undefined,
     x_column: axis("x"), y_column: axis("y"), y_minus: column(of.y_minus), weight_column: column(of.weight_column),
     gross_error_column: column(of.gross_error_column), inputs: Object.keys(inputs).length ? inputs : undefined, where,
-    x_dates: state.dates ?? undefined, x_time_column: column(of.x_time_column), x_origin: of.x_origin || undefined,
+    x_dates: state.dates ?? undefined, x_time_column: ["time", undefined].includes(file.columns[state.x]?.kind) ? column(of.x_time_column) : undefined, x_origin: of.x_origin || undefined,
     decimal_sign: state.decimal ?? undefined, incomplete_rows: state.incomplete ? "leave_out" : undefined,
     x_factor: factor(of.x_factor), y_factor: factor(of.y_factor), blocks: state.blocks ?? blocks, notes: of.notes ? [of.notes] : undefined,
   };
