@@ -217,7 +217,9 @@ def units_of(heading: str) -> tuple[Named, ...]:
         found = [one for one in found if one.certain]  # "Normalkraft (N) [kN]": N is the symbol
         bases = {one.base for one in found}
         others = (one for one in _outside(" ".join(plain.split()), heading) if one.base in bases)
-        found += [one for one in others if one.certain or one.text in _SIGNS]  # "Setzung [mm] in cm"
+        found += [
+            one for one in others if one.certain or one.text in _SIGNS or (one.base in _SIZES and len(one.text) > 1)
+        ]
     if not found:
         found = list(_outside(" ".join(plain.split()), heading))
     found += [one for one in [_altered(heading, found)] if one is not None]
