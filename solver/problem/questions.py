@@ -38,6 +38,7 @@ _ROUNDED = 0.01
 _NO_PLAIN_SCALAR = re.compile(
     r"^[\s\[\]{}&*!|>%@#,?\-`'\"]|:(?:\s|$)|\s#|\s$|^[\d.+]+$|^(?:true|false|null|yes|no|on|off|~)$", re.IGNORECASE
 )
+_EFFECTIVE = re.compile(r"['’′]|eff|wirks", re.IGNORECASE)
 _DOWNWARDS = re.compile(r"settle|(?<!radial_)(?:displacement|strain)|setzung|verschiebung|verformung|dehnung")
 _PREFIX = re.compile(r"^(?:stage|time|path|consolidation)_")
 
@@ -60,6 +61,8 @@ def columns_question(section: ObservationSection, content: bytes, name: str, spe
     ranks = [[axis.rank(one) for one in columns] for axis in axes]
     pairs = list(itertools.permutations(range(len(columns)), 2)) or [(0, 0)]
     best = min(pairs, key=lambda pair: (*map(sum, zip(ranks[0][pair[0]], ranks[1][pair[1]], strict=True)), pair))
+    less = _difference(axes[1], columns, ranks[1][best[1]][0]) if section.y_minus is None else None
+    best = best if less is None else (best[0], less[0])
     asked = [(axis, place, own) for axis, place, own in zip(axes, best, ranks, strict=True) if axis.column is None]
     lines: list[str | Key] = []
     units = ""
@@ -72,13 +75,18 @@ def columns_question(section: ObservationSection, content: bytes, name: str, spe
         told = f"; or {', '.join(others[:_FIRST])}: no heading says so" if others else ""
         if own[place][0] == _ALIKE and axis.quantity.replace(" ", "_") not in column.quantities:
             told = f"; its heading says {column.quantities[0].replace('_', ' ')}"
-        if own[place][0] > _UNTOLD:
+        minus: list[str | Key] = []
+        if axis.name == "y" and less is not None:
+            told = ""
+            minus = ["\n    ", _line("y_minus", _reference(found, columns[less[1]])), "  # q is their difference"]
+        elif own[place][0] > _UNTOLD:
             told = f"; no heading says {axis.quantity or axis.name}"
         lines += [
             "\n    ",
             _line(f"{axis.name}_column", _reference(found, column)),
             f"  # {_shown(found, column)}{told}",
         ]
+        lines += minus
         further = axis.unit_lines(column)
         units = ", and in what unit" if further else units
         lines += further + _in_doubt(column, axis.name)
@@ -204,7 +212,8 @@ class _Axis:
         usual = _usual(self.base)
         first = self._unit_of([value for value in column.values if value is not None]) or usual[0]
         others = ", ".join(one for one in usual if one != first)
-        return ["\n    ", _line(key, first), f"  # or {others}" if others else ""]
+        told = f"  # its heading {column.unclear}" if column.unclear else f"  # or {others}" if others else ""
+        return ["\n    ", _line(key, first), told]
 
 
 def further_doubts(
@@ -284,6 +293,18 @@ def _reference(found: Measurements, column: Column) -> str:
     alone = sum(key(one.name) == key(column.name) for one in found.columns) == 1
     named = alone and re.fullmatch(r"column \d+", column.name) is None and column.name.isprintable()
     return column.name if named else f"{column.letters}:{column.letters}"
+
+
+def _difference(axis: _Axis, columns: Sequence[Column], rank: int) -> tuple[int, int] | None:
+    """Places of an axial and a radial stress of which a deviator stress is the difference, where no column holds it."""
+    if "q" not in axis.names or axis.column is not None or rank < _UNTOLD:
+        return None
+    axial, radial = (
+        [i for i, one in enumerate(columns) if word in one.quantities and one.base in ("kPa", None)]
+        for word in ("axial_stress", "radial_stress")
+    )
+    kinds = [(one.base, _EFFECTIVE.search(one.name) is None) for one in columns]
+    return next(((i, j) for i in axial for j in radial if kinds[i] == kinds[j]), None)
 
 
 def _in_doubt(column: Column, axis: str) -> list[str | Key]:

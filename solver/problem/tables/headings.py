@@ -216,7 +216,8 @@ def units_of(heading: str) -> tuple[Named, ...]:
     if any(one.certain and one.unit is not None for one in found):
         found = [one for one in found if one.certain]  # "Normalkraft (N) [kN]": N is the symbol
         bases = {one.base for one in found}
-        others = (one for one in _outside(" ".join(plain.split()), heading) if one.base in bases)
+        outside = " ".join(plain.split())  # psi [hPa] is a suction
+        others = (one for one in _outside(outside, heading) if one.base in bases and one.text != outside)
         found += [
             one for one in others if one.certain or one.text in _SIGNS or (one.base in _SIZES and len(one.text) > 1)
         ]

@@ -188,6 +188,7 @@ def test_a_derivative_is_asked_for(heading: str) -> None:
         ("settlement mm per 100 kPa", "has a function, 'per 100'"),
         ("settlement+0.3 [mm]", "is a sum or a product, '+0.3'"),
         ("Setzung [mm] in cm", "names several units, mm and cm"),
+        ("Setzung [m] mm", "names several units, m and mm"),
     ],
 )
 def test_steps_and_sums_of_settlements_are_asked_for(heading: str, said: str) -> None:
