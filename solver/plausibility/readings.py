@@ -156,6 +156,8 @@ def _size(readings: StagedReadings) -> Iterator[Doubt]:
             what += f", in {other[0]} {other[1] / length:.2g}"
     height: Sentence = () if length == 1.0 else (", and ", readings.key("height"))
     remedy = _unit(readings.path, "y", readings.y_unit, meant, height)
+    if meant is not None and length != 1.0 and strain < least:
+        remedy = (*remedy, ", or check ", readings.key("height"))
     impossible = strain > 1.0 or strain < _NOTHING * least
     unit = meant and meant[0]
     yield Doubt(readings.observation.series, readings.path, "y_unit", f"{begins} {what}", remedy, impossible, unit)

@@ -129,7 +129,8 @@ def _plain(label: str) -> str:
 _FACTOR = r"(?:10\s?(?:\^|\*\*)?\s?[-−]\s?\d|1\s?[/:]\s?10+|\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|[.,]\d+)"
 _SCALED_LINE = re.compile(
     r"(?:(?<![^\W\d_])(?<!safety )(?<!shape )(?<!form )(?<!gauge )(?<!time )(?:(?:umrechnungs|skalierungs|mess(?:wert)?"
-    r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling)[- ]?)?fa[ck]tor(?:s|en)?(?![^\W\d_])(?! of safety)"
+    r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling)[- ]?)?fa[ck]tor(?:s|en)?(?![^\W\d_])"
+    r"(?! of safety| (?:der )?sicherheit)"
     r"|(?<![^\W\d_])(?:skala|skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
     rf"\D{{0,40}}?({_FACTOR})(?![\d.,])"
     rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"

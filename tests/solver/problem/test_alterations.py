@@ -227,7 +227,7 @@ def test_no_offset_and_one_of_something_else_are_passed_over(line: str) -> None:
 
 
 def test_a_remark_that_does_not_scale_is_passed_over() -> None:
-    content = "Zeit [min];Setzung [mm];Bemerkung\n1;1;Probe 1 mal 2\n2;2;25 kPa\n"
+    content = "Zeit [min];Setzung [mm];Bemerkung\n1;1;Probe 1 mal 2\n2;2;Faktor Sicherheit 1,5\n"
     assert metres(content) == [0.001, 0.002]
 
 
