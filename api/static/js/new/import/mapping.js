@@ -53,7 +53,7 @@ export function mapping(file, content, context, act) {
     try {
       const loads = byLoad(info(), "x") && plainBase(state.xUnit) !== "dimensionless" ? state.xUnit || undefined : undefined;
       const joined = joinsBlocks(file, state) && file.columns[state.x].kind === "number" ? state.xUnit || undefined : undefined;
-      const query = { name: file.name, observation: JSON.stringify({ ...section(file, state), x_unit: loads ?? joined, x_from: state.early && begin() ? begin() : undefined }), forward_model: context.forwardModel() };
+      const query = { name: file.name, observation: JSON.stringify({ ...section(file, state), x_unit: loads ?? joined, x_from: state.early && begin() > 0 ? begin() : undefined }), forward_model: context.forwardModel() };
       points = await (await request("POST", "/measurements/points", { query, body: content, headers: { "Content-Type": "application/octet-stream" }, signal: mine.signal })).json();
       ["x", "y"].filter((axis) => state[axis] === CELLS && !byLoad(info(), axis)).forEach(found);
     } catch (error) {
@@ -84,12 +84,12 @@ export function mapping(file, content, context, act) {
   /** What is open, wrong or done, and what the button would do. */
   function show() {
     const questions = [...open(file, state, info()), ...unitQuestions(file, state, info())], units = Object.values(conflicts(file, state, info())).filter(Boolean);
-    const incomplete = state.incomplete || refusedFor("incomplete_rows"), early = before() > 0 || (state.early && !points) || refusedFor("x_from");
+    const incomplete = state.incomplete || refusedFor("incomplete_rows"), early = before() > 0 || (state.early && !points && begin() > 0) || refusedFor("x_from");
     exchange(wrong,
       questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
       [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) => element("p", { class: "error", role: "alert" }, text)),
       incomplete ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
-    exchange(order, early ? flag("map-before", `${BEFORE} ${quantity("x")[0]} ${begin()}${before() ? ` (${count(before())})` : ""}`, state.early, (on) => { state.early = on; if (begin()) load(); }) : null, unsorted() && info()?.x_increasing
+    exchange(order, early ? flag("map-before", `${BEFORE} ${quantity("x")[0]} ${begin()}${before() ? ` (${count(before())})` : ""}`, state.early, (on) => { state.early = on; if (begin() > 0) load(); }) : null, unsorted() && info()?.x_increasing
       ? [element("p", { class: "help stale" }, `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`),
         flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => { state.sort = on; })]
       : null);
