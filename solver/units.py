@@ -40,7 +40,7 @@ _EXAMPLES = {
     "dimensionless": "1, %",
 }
 _CANDIDATES = {
-    "m": ("mm", "cm", "um", "0.01 mm", "inch"),
+    "m": ("mm", "cm", "0.01 mm", "um", "inch"),
     "kPa": ("Pa", "MPa", "bar", "kgf/cm^2", "psi"),
     "day": ("h", "min", "s"),
     "degree": ("rad",),

@@ -28,13 +28,16 @@ _MOST = 0.7
 """Largest strain to be believed at the end of a test."""
 _LEAST_INDEX = 2.0e-4
 """Least strain to be believed for each ln(stress): a tenth of the lowest usual kappa_star."""
-_NOTHING = 0.1
-"""Part of that least strain below which readings cannot be those of a soil."""
+_NOTHING = 0.5
+"""Part of that least strain below which readings cannot be those of a soil: its modulus would be that of rock, 4 GPa
+at 400 kPa. Settlements of a clay in mm that are taken for µm are some 0.1 to 0.3 of it."""
 _VOID_RATIO = (0.05, 15.0)
 _NEGATIVE = 3.0
 """The lowest reading is negative, and this many times as far from zero as the highest."""
 _STRESSES, _USUAL_STRESSES = (1.0e-3, 1.0e3), (0.02, 20.0)
 """Largest stress that is read over the largest one that is applied: what is possible, and what is usual."""
+_GAUGE = "0.01 mm"
+"""Unit of dial gauges, of which others divide into smaller steps."""
 _SHEARED, _STRENGTHS, _USUAL_STRENGTHS = 0.01, (0.06, 30.0), (0.06, 5.0)
 """Strain from which soils have some strength; their largest shear stress over the largest stress applied, twice."""
 _SHORT, _WHOLE = 0.02, (0.5, 1.02)
@@ -142,12 +145,19 @@ def _size(readings: StagedReadings) -> Iterator[Doubt]:
     else:
         what = f"only {strain:.2g} of the {name}" if name else f"a strain of only {strain:.1g}"
         what += f", under {loaded:.0f} times the initial stress"
-    meant = meant_unit(largest, readings.y_base, lambda y: least <= y / length <= _MOST, given=readings.y_unit)
+    usual = partial(_within, length, (least, _MOST))
+    meant = meant_unit(largest, readings.y_base, usual, given=readings.y_unit)
     if meant is not None:
         share = f"{meant[1] / length:.2g} of it" if length != 1.0 else f"{meant[1]:.2g}"
         what += f"; in {meant[0]} it would be {share}"
+        smaller = partial(_within, length, (least, 0.5 * meant[1] / length))
+        other = meant_unit(largest, readings.y_base, smaller, given=readings.y_unit)
+        if meant[0] == _GAUGE and other is not None:
+            what += f", in {other[0]} {other[1] / length:.2g}"
     height: Sentence = () if length == 1.0 else (", and ", readings.key("height"))
     remedy = _unit(readings.path, "y", readings.y_unit, meant, height)
+    if meant is not None and length != 1.0 and strain < least:
+        remedy = (*remedy, ", or check ", readings.key("height"))
     impossible = strain > 1.0 or strain < _NOTHING * least
     unit = meant and meant[0]
     yield Doubt(readings.observation.series, readings.path, "y_unit", f"{begins} {what}", remedy, impossible, unit)

@@ -23,11 +23,11 @@ from geoswarm.solver.problem.readings.preparation import Preparation, Preparatio
 from geoswarm.solver.problem.readings.units import UNSTATED
 from geoswarm.solver.problem.stages import by_stage, stage_times
 from geoswarm.solver.problem.tables.blocks import shown
-from geoswarm.solver.problem.tables.cells import file_content, read_cells
+from geoswarm.solver.problem.tables.cells import read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
 from geoswarm.solver.problem.tables.dates import moment_in
 from geoswarm.solver.problem.tables.headings import Heading, unclear_unit
-from geoswarm.solver.problem.tables.reading import DoubtError, TableError, UnnamedColumnsError
+from geoswarm.solver.problem.tables.reading import DoubtError, TableError, UnnamedColumnsError, file_content
 from geoswarm.solver.problem.text.reading import read_document
 from geoswarm.solver.sentences import Key, relative
 from geoswarm.solver.units import UnitError, convert
@@ -211,9 +211,9 @@ def points_of_file(
         return None, issues
     if (sign := sign_question(section, table.y_heading)) is not None:
         return None, [Issue.about(f"{path}.y_column", sign, f"{path}.")]
-    table, wrong = by_stage(table, section.series, section.x_unit, spec)
+    table, wrong = by_stage(table, section, spec)
     if wrong is not None:
-        return None, [Issue(f"{path}.x_column", wrong)]
+        return None, [Issue.about(f"{path}.x_column", wrong, f"{path}.")]
     points = Points(
         table.x,
         table.y,
@@ -262,10 +262,11 @@ def _table(
 
 
 def _settled(table: Table, section: ObservationSection) -> Table:
-    """The table without the factors of its headings about which the section says how to multiply."""
-    axes = [axis for axis in ("x", "y") if f"{axis}_factor" in section.model_fields_set]
-    headings = {f"{axis}_heading": getattr(table, f"{axis}_heading").without_factors() for axis in axes}
-    return replace(table, **headings)
+    """The table without the factors and offsets of its headings about which the section says what is done."""
+    x, y, given = table.x_heading, table.y_heading, section.model_fields_set
+    x = x.without("factor", "sign") if "x_factor" in given else x
+    y = y.without("factor", "sign") if "y_factor" in given else y
+    return replace(table, x_heading=x, y_heading=y.without("offset") if {"y_zero", "y_minus"} & given else y)
 
 
 def _of_block(section: ObservationSection, block: BlockSection | None) -> ObservationSection:

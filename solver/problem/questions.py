@@ -13,6 +13,7 @@ from geoswarm.solver.forward.base import ForwardModelSpec, SeriesInfo
 from geoswarm.solver.forward.registry import built
 from geoswarm.solver.problem.observation_section import ObservationSection
 from geoswarm.solver.problem.readings.units import USUAL, divided_by_size, unit_of_axis
+from geoswarm.solver.problem.stages import section_of_test
 from geoswarm.solver.problem.tables.blocks import key
 from geoswarm.solver.problem.tables.columns import Columns, Table
 from geoswarm.solver.problem.tables.headings import Heading, without_brackets
@@ -28,12 +29,16 @@ __all__ = ["columns_question", "further_doubts", "sign_question"]
 _MOST_SHOWN = 20
 _MOST_RANKED = 50
 _FIRST = 3
-_UNTOLD, _OTHER, _NOTHING = 4, 6, 7
-"""Ranks of columns: no word or unit says what they hold, words or units say another quantity, no numbers."""
+_ALIKE, _UNTOLD, _OTHER, _NOTHING = 1, 4, 6, 7
+"""Ranks of columns: words of another strain, no word or unit that says what they hold, words or units of another
+quantity, no numbers."""
 _SLACK = 1.0 + 1e-9
+_ROUNDED = 0.01
+"""Part of a load that a file may round."""
 _NO_PLAIN_SCALAR = re.compile(
     r"^[\s\[\]{}&*!|>%@#,?\-`'\"]|:(?:\s|$)|\s#|\s$|^[\d.+]+$|^(?:true|false|null|yes|no|on|off|~)$", re.IGNORECASE
 )
+_EFFECTIVE = re.compile(r"['’′]|eff|wirks", re.IGNORECASE)
 _DOWNWARDS = re.compile(r"settle|(?<!radial_)(?:displacement|strain)|setzung|verschiebung|verformung|dehnung")
 _PREFIX = re.compile(r"^(?:stage|time|path|consolidation)_")
 
@@ -56,6 +61,8 @@ def columns_question(section: ObservationSection, content: bytes, name: str, spe
     ranks = [[axis.rank(one) for one in columns] for axis in axes]
     pairs = list(itertools.permutations(range(len(columns)), 2)) or [(0, 0)]
     best = min(pairs, key=lambda pair: (*map(sum, zip(ranks[0][pair[0]], ranks[1][pair[1]], strict=True)), pair))
+    less = _difference(axes[1], columns, ranks[1][best[1]][0]) if section.y_minus is None else None
+    best = best if less is None else (best[0], less[0])
     asked = [(axis, place, own) for axis, place, own in zip(axes, best, ranks, strict=True) if axis.column is None]
     lines: list[str | Key] = []
     units = ""
@@ -66,17 +73,25 @@ def columns_question(section: ObservationSection, content: bytes, name: str, spe
             _reference(found, one) for one in alike if one is not column and one not in (columns[i] for i in best)
         ]
         told = f"; or {', '.join(others[:_FIRST])}: no heading says so" if others else ""
-        if own[place][0] > _UNTOLD:
+        if own[place][0] == _ALIKE and axis.quantity.replace(" ", "_") not in column.quantities:
+            told = f"; its heading says {column.quantities[0].replace('_', ' ')}"
+        minus: list[str | Key] = []
+        if axis.name == "y" and less is not None:
+            told = ""
+            minus = ["\n    ", _line("y_minus", _reference(found, columns[less[1]])), "  # q is their difference"]
+        elif own[place][0] > _UNTOLD:
             told = f"; no heading says {axis.quantity or axis.name}"
         lines += [
             "\n    ",
             _line(f"{axis.name}_column", _reference(found, column)),
             f"  # {_shown(found, column)}{told}",
         ]
+        lines += minus
         further = axis.unit_lines(column)
         units = ", and in what unit" if further else units
         lines += further + _in_doubt(column, axis.name)
-    lines += _rows_lines(found, columns[best[0]], columns[best[1]], axes[0], section)
+    stresses = _stresses(section.series, spec)
+    lines += _rows_lines(found, columns[best[0]], columns[best[1]], axes[0], section, stresses)
     lines += _specimen(found) if section.where is None else []
     lines += _sheet_lines(found, [columns[place] for _, place, _ in asked]) if section.sheet is None else []
     what = listed(
@@ -137,9 +152,9 @@ class _Axis:
         if places and not repeated:
             return 0, places[0]
         if any("strain" in one for one in self.names) and any("strain" in one for one in column.quantities):
-            return 1, 0
+            return _ALIKE, 0
         if self.by_load and column.base in ("kPa", None) and column.other_unit is None and is_load(column.quantities):
-            return 1, 0
+            return 0, 1
         meant = self.base or "dimensionless"
         said = {dimension_of(one) for one in column.quantities} - {None}
         own = self.name == "x" and meant in said
@@ -197,7 +212,8 @@ class _Axis:
         usual = _usual(self.base)
         first = self._unit_of([value for value in column.values if value is not None]) or usual[0]
         others = ", ".join(one for one in usual if one != first)
-        return ["\n    ", _line(key, first), f"  # or {others}" if others else ""]
+        told = f"  # its heading {column.unclear}" if column.unclear else f"  # or {others}" if others else ""
+        return ["\n    ", _line(key, first), told]
 
 
 def further_doubts(
@@ -279,6 +295,18 @@ def _reference(found: Measurements, column: Column) -> str:
     return column.name if named else f"{column.letters}:{column.letters}"
 
 
+def _difference(axis: _Axis, columns: Sequence[Column], rank: int) -> tuple[int, int] | None:
+    """Places of an axial and a radial stress of which a deviator stress is the difference, where no column holds it."""
+    if "q" not in axis.names or axis.column is not None or rank < _UNTOLD:
+        return None
+    axial, radial = (
+        [i for i, one in enumerate(columns) if word in one.quantities and one.base in ("kPa", None)]
+        for word in ("axial_stress", "radial_stress")
+    )
+    kinds = [(one.base, _EFFECTIVE.search(one.name) is None) for one in columns]
+    return next(((i, j) for i in axial for j in radial if kinds[i] == kinds[j]), None)
+
+
 def _in_doubt(column: Column, axis: str) -> list[str | Key]:
     """How numbers, dates or times of a column are written, where that is to be said."""
     shown = f"{column.doubt or next(filter(None, column.first), '')}"
@@ -301,8 +329,13 @@ def _specimen(found: Measurements) -> list[str | Key]:
     return []
 
 
-def _rows_lines(found: Measurements, x: Column, y: Column, axis: _Axis, section: ObservationSection) -> list[str | Key]:
-    """Which rows take part: of one stage, with a number in every column; and x that begin before the series or fall."""
+def _rows_lines(
+    found: Measurements, x: Column, y: Column, axis: _Axis, section: ObservationSection, stresses: Sequence[float]
+) -> list[str | Key]:
+    """Which rows take part: of one stage, with a number in every column; and x that begin before the series or fall.
+
+    ``stresses`` are the loads of the stages, where x may be such loads.
+    """
     if ":" in x.letters + y.letters:
         return []
     rows = list(range(min(len(x.values), len(y.values))))
@@ -315,8 +348,14 @@ def _rows_lines(found: Measurements, x: Column, y: Column, axis: _Axis, section:
         lines += _added("incomplete_rows", "leave_out", f"{count} no number in one of the columns")
     given = [x.values[row] for row in rows if y.values[row] is not None]
     values = [value for value in given if value is not None]
-    if x.doubt is not None or axis.by_load or not values or {"x_factor", "x_from"} & section.model_fields_set:
+    if x.doubt is not None or not values or {"x_factor", "x_from"} & section.model_fields_set:
         return lines
+    if axis.by_load:
+        loads = x.base == "kPa" or is_load(x.quantities)
+        first = float(convert(values[0], x.unit or "kPa", "kPa")) if loads else values[0]
+        low = max(stresses[:1], default=0.0) * (1.0 - _ROUNDED) if loads else axis.low
+        early = f"x begins at {values[0]:g}, before the first stage"
+        return lines + (_added("x_from", "1", early) if first < low else [])
     if axis.low == 0.0 and min(values) < 0.0 and x.kind == "number":
         if max(values) <= 0.0:
             return lines + _added("x_factor", "-1", "no x is above 0")
@@ -327,6 +366,12 @@ def _rows_lines(found: Measurements, x: Column, y: Column, axis: _Axis, section:
     if axis.increasing and section.repeated_x is None and len(set(values)) < len(values):
         lines += _added("repeated_x", "average", "or shift: several rows have the same x")
     return lines
+
+
+def _stresses(series: str, spec: ForwardModelSpec | None) -> list[float]:
+    """Loads of the stages, kPa, of the test that a series belongs to."""
+    stages = () if spec is None else getattr(section_of_test(spec, series)[1], "stages", ())
+    return [stage.stress for stage in stages if hasattr(stage, "stress")]
 
 
 def _stage(found: Measurements, x: Column, rows: list[int]) -> tuple[list[str | Key], list[int]]:

@@ -15,6 +15,7 @@ from geoswarm.solver.units import UnitError, convert
 
 if TYPE_CHECKING:
     from geoswarm.solver.forward.base import ForwardModelSpec
+    from geoswarm.solver.problem.observation_section import ObservationSection
 
 __all__ = ["AT_LOAD", "at_load", "by_stage", "same_x_remedy", "section_of_test", "stage_of", "stage_times"]
 
@@ -59,33 +60,38 @@ def stage_of(x: FloatArray, starts: FloatArray) -> IntArray:
     return np.maximum(np.searchsorted(starts + _slack(starts), x, side="left"), 1).astype(np.int64)
 
 
-def by_stage(table: Table, series: str, x_unit: str | None, spec: ForwardModelSpec | None) -> tuple[Table, str | None]:
+def by_stage(table: Table, section: ObservationSection, spec: ForwardModelSpec | None) -> tuple[Table, Sentence | None]:
     """The table of a series of the ends of stages with their numbers, where its x are the loads of these stages.
+
+    Loads before that of the first stage, as of the state from which it begins, are stage 0 where ``x_from`` leaves
+    that out.
 
     Returns
     -------
     The table, and what is wrong with its loads, if anything is.
     """
-    unit = x_unit or table.x_heading.unit
-    if spec is None or unit is None or not series.rpartition(".")[2].startswith("stage_"):
+    unit = section.x_unit or table.x_heading.unit
+    if spec is None or unit is None or not section.series.rpartition(".")[2].startswith("stage_"):
         return table, None
     try:
         loads = np.asarray(convert(table.x, unit, "kPa"), dtype=np.float64)
     except UnitError:
         return table, None
-    _, test, _ = section_of_test(spec, series)
+    _, test, _ = section_of_test(spec, section.series)
     stresses = [stage.stress for stage in getattr(test, "stages", ())]
     numbers: list[float] = []
     for place, load in enumerate(loads.tolist(), start=1):
         past = int(numbers[-1]) if numbers else 0
         after = [n for n, stress in enumerate(stresses, 1) if n > past and abs(load - stress) <= _SAME_LOAD * stress]
+        before = past == 0 and stresses != [] and load < stresses[0]
+        if not after and before and (section.x_from or 0.0) > 0.0:
+            after = [0]
         if not after:
             known = ", ".join(f"{stress:g}" for stress in stresses[past:]) or "none"
             which = f"after stage {past} " if past else ""
-            return table, (
-                f"x = {load:.4g} kPa (point {place}) is the load of no stage {which}of the forward model ({known}); "
-                "give the cells of the others, or correct its stages"
-            )
+            found = f"x = {load:.4g} kPa (point {place}) is the load of no stage {which}of the forward model ({known})"
+            out: Sentence = (", or leave out what is before them: ", setting("x_from", "1")) if before else ()
+            return table, (f"{found}; give the cells of the others, or correct its stages", *out)
         numbers.append(float(after[0]))
     return replace(table, x=numbers, x_heading=Heading(table.x_heading.name), by_load=True), None
 

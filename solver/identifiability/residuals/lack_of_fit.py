@@ -146,9 +146,17 @@ def untested(why: str, *remedies: Remedy) -> FitVerdict:
     return FitVerdict("untested", f"Whether the model describes the data was not tested: {why}.", (), remedies)
 
 
-def unfit_readings(problem: Problem) -> FitVerdict | None:
-    """The verdict on readings that no soil can have; None where there are none. No model can describe them."""
-    doubts = [doubt for doubt in doubtful_readings(problem) if doubt.impossible]
+def unfit_readings(problem: Problem, *, at_bound: bool = False) -> FitVerdict | None:
+    """The verdict on readings that no soil can have; None where there are none. No model can describe them.
+
+    Where parameters lie at their bounds (``at_bound``), also on those that soils hardly have and would have in another
+    unit, unless the problem accepts them.
+    """
+    doubts = [
+        doubt
+        for doubt in doubtful_readings(problem)
+        if doubt.impossible or (at_bound and doubt.unit is not None and doubt.series not in problem.accept)
+    ]
     if not doubts:
         return None
     each = ". ".join(f"{doubt.series}: {doubt.seen}" for doubt in doubts)
@@ -177,7 +185,7 @@ def examine_fit(
     at_bound
         Whether parameters lie at their bounds: readings that are then missed by far are no question of the minimum.
     """
-    if (unfit := unfit_readings(calibration.problem)) is not None:
+    if (unfit := unfit_readings(calibration.problem, at_bound=at_bound)) is not None:
         return unfit
     whole = readings_at(calibration, responses, derivatives)
     readings = whole.averaged()

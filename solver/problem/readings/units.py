@@ -89,6 +89,8 @@ def _remedy(axis: str, altered: Alteration | None, unit: str) -> Sentence:
             return "; ", key, " says which holds"
         case "factor":
             return "; give ", factor, ", which multiplies, or ", key, ", which says what the numbers are in"
+        case "offset" if axis == "y":
+            return "; give ", setting("y_zero"), ", which is subtracted, or ", key, ", which says that none is"
         case "sign":
             return "; give ", setting(factor.path, "-1"), ", or 1 where the numbers have the sign of the series"
         case "absolute":

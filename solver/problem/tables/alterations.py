@@ -10,10 +10,11 @@ from geoswarm.solver.problem.tables.unit_words import PARTS, SUMS
 
 __all__ = ["ALTERED", "Alteration", "alteration_in", "referred_apart"]
 
-Alteration: TypeAlias = Literal["factor", "sign", "function", "increment", "sum", "absolute", "share"]
+Alteration: TypeAlias = Literal["factor", "offset", "sign", "function", "increment", "sum", "absolute", "share"]
 
 ALTERED: dict[Alteration, str] = {
     "factor": "has a factor",
+    "offset": "may have an offset",
     "sign": "has a sign",
     "function": "has a function",
     "increment": "is a step",
@@ -26,16 +27,19 @@ ALTERED: dict[Alteration, str] = {
 _SCALED = (
     r"[×*·÷]\s*\d|(?<![^\W\d_])x\s*(?:\d\d|0[.,])|\d+\s*[×*·]|(?<![\d.,])10+\s*x|10\s*(?:\^|\*\*|[⁻²³⁴⁵⁶⁷⁸⁹])"
     r"|(?<!\w)1e\d|(?<![^\W\d_])(?:\d[\d.,]*)?e[-+]\d|(?<![\w.,/])1\s?/\s?10+(?!\d)|(?<![\d.,])0?[.,]0*1(?![\d.,])|/[₀-₉]"
-    rf"|(?<!\w)(?:{PARTS})(?![^\W\d])|(?<![\d:])(?:10+\s?:\s?1|1\s?:\s?10+)(?![\d:])|(?<![\d/])\s*/\s*10+(?![\d/])|fa[ck]tor\s*[=:]?\s*\d|(?<!\w)[½⅓¼¾]"
+    rf"|(?<!\w)(?:{PARTS})(?![^\W\d])|(?<![\d:])(?!1\s?:\s?1(?!\d))(?:\d+\s?:\s?1|1\s?:\s?\d+)(?![\d:])|(?<![\d/])\s*/\s*10+(?![\d/])|fa[ck]tor\s*[=:]?\s*\d|(?<!\w)[½⅓¼¾]"
     r"|\0[\])}]?\s?/\s?\d|^\d\s?/\s?\d\s*(?=[^\W\d])|^(?:halbe|doppelte|half|double|twice)[rns]?\s"
     r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
+    r"|halbiert|halved|verdoppelt|doubled|(?<![^\W\d_])(?:scaled?|skaliert)(?![^\W\d_])|ma(?:ß|ss)stab"
+    r"|[(\[]\s*x\s?(?!1\W)\d|(?<![\w.,])(?!1\D)\d+(?:[.,]\d+)?\s?x\s*[)\]]|(?<![^\W\d_])(?:(?:dixi|centi|milli)[èe]mes?"
+    r"|(?:ti|hundr[ae]|tusen)dels?)(?![^\W\d_])|[^\W\d_]{3,}\s(?:d[ei]|of|van|von|av)\s\0"  # "centesimi di mm"
 )
 _OF_FULL_SCALE = r"\0[\])]?\s?(?:of )?(?:full[ -]?scale|fs(?!\w))"
 _SHARE = re.compile(_OF_FULL_SCALE, re.IGNORECASE)
 _ALTERED = re.compile(
     rf"(?:{_SCALED}|{SUMS}|{_OF_FULL_SCALE}"
     r"|[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln|exp)"
-    r"(?![^\W\d_])|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
+    r"(?![^\W\d_])|\0[\])}]?\s(?:per|pro|je|par)\s|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
     re.IGNORECASE,
 )
 """What makes numbers another quantity than the unit beside it says: ``√t [min]``, ``q x 10 [kPa]``; \\0 is the unit."""
@@ -49,13 +53,17 @@ _QUOTIENT = re.compile(
     rf"(?<![\w'’′∆Δδ])({_SYMBOL})\s*/\s*({_SYMBOL})(?![\w'’′])|(?:(?<![\w'’′∆Δδ]){_SYMBOL}|\))"
     r"\s*/\s*\d+(?:[.,]\d+)?(?![\d/])"
 )
-_NORMALISED = re.compile(r"(?<!\w)norm(?:ali[sz]ed|alisiert\w*|iert\w*)", re.IGNORECASE)
+_NORMALISED = re.compile(r"(?<!\w)norm(?:ali[sz](?:ed|é\w*)|alisiert\w*|iert\w*)", re.IGNORECASE)
 _SIGN = re.compile(
     r"^[-−–]\s?[^\W\d]\w*|^neg(?:ati(?:ve[rs]?|v))?\.?\s|(?<![^\W\d_])neg(?:ati(?:ve?|v))?\.?$", re.IGNORECASE
 )
 _UPWARDS = re.compile(r"hebung|heben|heav|swell|quell|zug|tension|suction|saug", re.IGNORECASE)  # what is negative
 _RATE = re.compile(r"(?<!\w)[dδ∆]\s?\(?\w{0,4}\)?\s?/\s?[dδ∆]\s?\(?t\)?(?!\w)", re.IGNORECASE)
-_INCREMENT = re.compile(r"(?:zeit|time)[ _-]?(?:schritt|inkrement|step|increment|interval)\w*", re.IGNORECASE)
+_INCREMENT = {
+    "day": re.compile(r"(?:zeit|time)[ _-]?(?:schritt|inkrement|step|increment|interval)\w*", re.IGNORECASE),
+    "m": re.compile(r"\w*zuwachs|(?<![^\W\d_])(?:in[kc]rement\w*|zunahme)", re.IGNORECASE),
+}
+"""Words for the steps of times and of settlements."""
 _ABSOLUTE = re.compile(r"(?<!\w)abs(?:olut(?:e[nrs]?|druck)?)?(?!\w)", re.IGNORECASE)
 _REFERRED = re.compile(
     r"(?<![^\W\d_])((?:[kMhm]?Pa|m?bar|psi))(?:\s?\(\s?(?P<brackets>a|g|[üu]|abs\.?|absolute?|gauge|rel(?:ativ)?\.?)\s?\)"
@@ -92,15 +100,18 @@ def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bo
         return "sign", sign[0].strip()
     if (rate := _RATE.search(name)) is not None:
         return "function", rate[0]
-    if "day" in bases and (step := _INCREMENT.search(name)) is not None:
-        return "increment", step[0]
+    for base, words in _INCREMENT.items():
+        if base in bases and (step := words.search(name)) is not None:
+            return "increment", step[0]
     if (multiple := _MULTIPLE.search(name)) is not None and not is_word(multiple[1] or ""):
         return "factor", multiple[0].lstrip("= ")
+    for one in _QUOTIENT.finditer(name) if bases else ():
+        if one[1] is None:
+            return "factor", one[0]
+        if sized and not (is_word(one[1]) or is_word(one[2])):
+            return "function", one[0]
     if not sized:
         return None, ""
-    for one in _QUOTIENT.finditer(name):
-        if one[1] is None or not (is_word(one[1]) or is_word(one[2])):
-            return "factor" if one[1] is None else "function", one[0]
     if (normalised := _NORMALISED.search(name)) is not None:
         return "function", normalised[0]
     if "kPa" in bases and (above := _ABSOLUTE.search(name)) is not None:
@@ -111,7 +122,7 @@ def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bo
 def _kind(altered: re.Match[str]) -> Alteration:
     if _SHARE.match(altered[0]) is not None:
         return "share"
-    if re.match(SUMS, altered[0]):
+    if re.match(rf"\s?\+|{SUMS}", altered[0]):
         return "sum"
     return "factor" if _ONLY_SCALED.match(altered[0]) else "function"
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
-from pathlib import Path
 from typing import TypeAlias
 
+from geoswarm.solver.problem.tables.alterations import Alteration
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
 from geoswarm.solver.problem.tables.headings import (
     Heading,
@@ -21,7 +21,7 @@ from geoswarm.solver.problem.tables.headings import (
     units_of,
 )
 from geoswarm.solver.problem.tables.packed import Cell
-from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, quantities_of
+from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, offset_in, quantities_of
 from geoswarm.solver.problem.tables.reading import (
     BLANKS,
     MAX_TABLE_BYTES,
@@ -44,6 +44,7 @@ _SUMMARY = re.compile(
     re.IGNORECASE,
 )
 _PEST = re.compile(r"\s*(?:(pcf)(?:\s+version\b.*)?|(?:pif|[pj]tf)\s+[^\w\s])\s*$", re.IGNORECASE | re.MULTILINE)
+_OTHER_CHANNEL = re.compile(r"kraft|force|load ?cell|temperat", re.IGNORECASE)
 _WORD = re.compile(r"[^\W\d_]{3}")
 _SOME_ROWS = 3
 _MANY_ROWS = 50
@@ -58,7 +59,6 @@ __all__ = [
     "Beside",
     "Sheet",
     "factors_beside",
-    "file_content",
     "number_in",
     "read_cells",
     "with_factors",
@@ -68,11 +68,12 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Beside:
-    """A line or column that names a factor, or a ``unit``, of quantities; of all where ``of`` is empty."""
+    """A line or column that names a factor, an offset or a ``unit`` of quantities; of all where ``of`` is empty."""
 
     text: str
     of: frozenset[str]
     unit: Named | None = None
+    alters: Alteration = "factor"
 
 
 Area: TypeAlias = tuple[int, int, int, int | None]
@@ -104,26 +105,6 @@ class Sheet:
     header: list[str]
     rows: list[tuple[int, list[Cell]]]
     grid: dict[int, list[Cell]]
-
-
-def file_content(path: Path) -> bytes:
-    """Return what a file holds.
-
-    Raises
-    ------
-    TableError
-        It is missing, unreadable, or too large.
-    """
-    if path.is_fifo():  # a pipe would be waited for
-        raise TableError(f"{path} is a pipe, not a file")
-    try:
-        with path.open("rb") as file:
-            return file.read(MAX_TABLE_BYTES + 1)
-    except FileNotFoundError:
-        raise TableError(f"no such file: {path}") from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise TableError(f"{path} cannot be read: {reason}") from None
 
 
 def read_cells(
@@ -376,8 +357,16 @@ def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[C
         for line, row in sheet.grid.items()
         if line not in used and not sheet.header_line <= line < first
     ]
-    named = [Beside(f"{where}: {text}", frozenset(quantities_of(text))) for where, text in lines if factor_in(text)]
-    notes = [text for where, text in lines if where == "comment"]
+    remarks = _remarks(sheet)
+    lines += [("remark", text) for text in remarks]
+    found: tuple[tuple[Alteration, Callable[[str], str | None]], ...] = ("factor", factor_in), ("offset", offset_in)
+    named = [
+        Beside(f"{where}: {text}", _meant(text), None, alters)
+        for where, text in lines
+        for alters, named_in in found
+        if named_in(text)
+    ]
+    notes = [*(text for where, text in lines if where == "comment"), *remarks]
     for line, row in sheet.grid.items():
         if line > first and line not in used:
             notes.append(" ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE])
@@ -388,6 +377,20 @@ def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[C
         if unit is not None and (of := frozenset(quantities_of(unit.label))):
             named.append(Beside(text, of, unit))
     return named + _factor_columns(sheet.header, body)
+
+
+def _meant(text: str) -> frozenset[str]:
+    """The quantities that a line names; ``force`` stands for the other channels of a machine."""
+    return frozenset(quantities_of(text) or (["force"] if _OTHER_CHANNEL.search(text) else []))
+
+
+def _remarks(sheet: Sheet) -> list[str]:
+    """Texts beside the first readings, and headings without any."""
+    rows = [row for _, row in sheet.rows[:_FIRST_FACTORS]]
+    filled = {place for row in rows for place, cell in enumerate(row) if cell != ""}
+    texts = [cell for row in rows for cell in row if isinstance(cell, str) and not is_reading(cell)]
+    texts += [name for place, name in enumerate(sheet.header) if place not in filled]
+    return [text[:_LONGEST_LINE] for text in dict.fromkeys(texts) if _WORD.search(text) is not None]
 
 
 def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> list[Beside]:
@@ -410,7 +413,7 @@ def with_factors(heading: Heading, lines: Iterable[Beside]) -> Heading:
         return heading
     time = "time" in meant or any(one.base == "day" for one in heading.named)
     further = [
-        one.unit or Named(None, None, True, one.text, heading.name, alters="factor")
+        one.unit or Named(None, None, True, one.text, heading.name, alters=one.alters)
         for one in lines
         if one.of & meant or not (time or one.unit or (one.of and meant))
     ]

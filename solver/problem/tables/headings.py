@@ -60,6 +60,7 @@ _VALUE_BEFORE = re.compile(
 _LETTERS = re.compile(r"([A-Za-z]{1,3}):\1")  # a column without a heading: H:H are no hours
 _LETTER = re.compile(r"[^\W\dxeE_]|[%‰°]")
 _NUMBERED = re.compile(r"^[a-ln-zA-Z]\d+$|[A-Za-z]1(?!\d)")  # s1, A2, min1: names, not powers
+_SIGNS = ("%", "‰")
 _SIZES = ("m", "kPa")  # "Setzung mm bzw. cm"
 _LONGEST = 200
 
@@ -106,9 +107,9 @@ class Heading:
     in_cells: bool = False
     first: tuple[float, ...] = ()
 
-    def without_factors(self) -> Heading:
-        """The same where somebody says what the numbers are to be multiplied by."""
-        return replace(self, named=tuple(one for one in self.named if one.alters not in ("factor", "sign")))
+    def without(self, *alterations: Alteration) -> Heading:
+        """The same where somebody says what is to be done about these."""
+        return replace(self, named=tuple(one for one in self.named if one.alters not in alterations))
 
     @property
     def unit(self) -> str | None:
@@ -214,6 +215,12 @@ def units_of(heading: str) -> tuple[Named, ...]:
             found.append(Named(None, None, True, inner, heading))
     if any(one.certain and one.unit is not None for one in found):
         found = [one for one in found if one.certain]  # "Normalkraft (N) [kN]": N is the symbol
+        bases = {one.base for one in found}
+        outside = " ".join(plain.split())  # psi [hPa] is a suction
+        others = (one for one in _outside(outside, heading) if one.base in bases and one.text != outside)
+        found += [
+            one for one in others if one.certain or one.text in _SIGNS or (one.base in _SIZES and len(one.text) > 1)
+        ]
     if not found:
         found = list(_outside(" ".join(plain.split()), heading))
     found += [one for one in [_altered(heading, found)] if one is not None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Iterable, Sequence
@@ -24,6 +25,7 @@ _OTHER: dict[DecimalSign, DecimalSign] = {"comma": "point", "point": "comma"}
 _GROUPS = {  # 1,000 and 12.345.678: one to three figures, then groups of three; 0,125 is none
     sign: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:{re.escape(mark)}\d{{3}})+", re.ASCII) for sign, mark in _SIGNS.items()
 }
+_HUNDREDS = re.compile(r"[+-]?[1-9]\d{2}", re.ASCII)
 _DECIMALS = {
     sign: re.compile(rf"[+-]?(?:\d+{re.escape(mark)}\d*|{re.escape(mark)}\d+)(?:[eE][+-]?\d+)?", re.ASCII)
     for sign, mark in _SIGNS.items()
@@ -102,7 +104,7 @@ def doubtful_cell(cells: Sequence[Cell], others: Iterable[Cell]) -> str | None:
     whole = evidence(others)
     if commas is not None and whole != {"comma"}:
         return commas
-    if points is not None and (whole == {"comma"} or points.count(".") > 1):
+    if points is not None and (whole == {"comma"} or points.count(".") > 1 or _has_thousands(cells)):
         return points
     if commas is not None and commas.count(",") > 1:
         return commas
@@ -111,6 +113,20 @@ def doubtful_cell(cells: Sequence[Cell], others: Iterable[Cell]) -> str | None:
 
 def _first(cells: Sequence[Cell], form: re.Pattern[str]) -> str | None:
     return next((cell for cell in cells if isinstance(cell, str) and form.fullmatch(cell)), None)
+
+
+def _has_thousands(cells: Sequence[Cell]) -> bool:
+    """Whether points may be those of thousands, 800 and 1.600: 1.6 would end without 0, or the column rises then."""
+    if not any(_HUNDREDS.fullmatch(f"{cell:.15g}" if isinstance(cell, float) else cell) for cell in cells):
+        return False
+    if any(isinstance(cell, str) and cell.endswith("0") and _GROUPS["point"].fullmatch(cell) for cell in cells):
+        return True
+    return _rises(cells, "comma") and not _rises(cells, "point")
+
+
+def _rises(cells: Sequence[Cell], sign: DecimalSign) -> bool:
+    values = [value for cell in cells if (value := number_of(cell, sign)) is not None]
+    return all(one <= other for one, other in itertools.pairwise(values))
 
 
 def _apart(cell: str) -> bool:

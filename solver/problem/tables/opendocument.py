@@ -13,6 +13,7 @@ __all__ = ["ods_names", "ods_rows", "ods_sheets"]
 _TABLE = "{urn:oasis:names:tc:opendocument:xmlns:table:1.0}"
 _OFFICE = "{urn:oasis:names:tc:opendocument:xmlns:office:1.0}"
 _TEXT = "{urn:oasis:names:tc:opendocument:xmlns:text:1.0}"
+_UNIT_BEHIND = re.compile(r"[\d.,'\u2019\s+\u2212-]*\d[.,]?\s*(?!E[+-]?\d+$)((?:[^\W\d_]|[%‰°]).{0,19})")
 _DURATION = re.compile(r"PT(\d{1,5})H(\d{1,2})M(\d{1,2})(?:[.,]\d{1,9})?S", re.ASCII)
 
 
@@ -81,7 +82,10 @@ def _value(parts: PackedParts, cell: ElementTree.Element) -> Cell:
         return formula_text(formula.partition("=")[2])
     if kind in ("float", "percentage", "currency"):
         value = float(cell.get(f"{_OFFICE}value", ""))
-        return f"{100.0 * value:.15g} %" if kind == "percentage" else value
+        if kind == "percentage":
+            return f"{100.0 * value:.15g} %"
+        behind = _UNIT_BEHIND.fullmatch(_text(cell)) if kind == "float" else None
+        return value if behind is None else f"{value:.15g} {behind[1]}"
     if kind == "date":
         return parts.short(cell.get(f"{_OFFICE}date-value", "").replace("T", " "))
     if kind == "time":
@@ -89,7 +93,12 @@ def _value(parts: PackedParts, cell: ElementTree.Element) -> Cell:
         return "" if found is None else f"{int(found[1]):02d}:{found[2]}:{found[3]}"
     if kind is None:
         return ""
-    return parts.short("\n".join("".join(line.itertext()) for line in cell.findall(f"{_TEXT}p")).strip())
+    return parts.short(_text(cell))
+
+
+def _text(cell: ElementTree.Element) -> str:
+    """What a cell shows."""
+    return "\n".join("".join(line.itertext()) for line in cell.findall(f"{_TEXT}p")).strip()
 
 
 def ods_names(parts: PackedParts) -> dict[str, str]:

@@ -7,14 +7,14 @@ from collections.abc import Iterable
 
 from geoswarm.solver.problem.tables.unit_words import PARTS
 
-__all__ = ["dimension_of", "factor_in", "is_column_of_factors", "is_heave", "is_load", "quantities_of"]
+__all__ = ["dimension_of", "factor_in", "is_column_of_factors", "is_heave", "is_load", "offset_in", "quantities_of"]
 
 _HEAVE = (
     r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
     r"|hebung|verformung|ma(?:ß|ss))|schwell(?:ung|dehnung|hebung)"
-    r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index)))"
+    r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index))|gonflement|soul[èe]vement)"
     r"(?![^\W\d_])(?!\s*\(?[=:]?\s*(?:[-−–]\s*(?:\)|$)|neg))"  # "Setzung, Hebung (-)" is a settlement
-    r"|(?:[-−–]|neg\w*) ?=? ?(?:nach unten|down)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
+    r"|(?:[-−–]|n[ée]g\w*) ?=? ?(?:nach unten|down|vers le bas)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
     r"|(?:\+|pos\w*) ?=? ?(?:nach oben|up)|(?:nach oben|up(?:wards?)?) ?=? ?(?:pos|\+)"
 )
 _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
@@ -29,7 +29,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
     (_HEAVE, ("heave",)),
-    (r"höhe\b|hoehe\b|\bheight\b(?! change)(?<!change in height)(?<!change of height)", ("height",)),
+    (r"höhe\b|hoehe\b|\bhauteur\b|\bheight\b(?! change)(?<!change in height)(?<!change of height)", ("height",)),
     (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
     (r"überdruck|ueberdruck|excess pore|excess pwp|^(delta|[dδ∆]) ?u$", ("excess_pore_pressure", "pore_pressure")),
     (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
@@ -129,8 +129,9 @@ def _plain(label: str) -> str:
 _FACTOR = r"(?:10\s?(?:\^|\*\*)?\s?[-−]\s?\d|1\s?[/:]\s?10+|\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|[.,]\d+)"
 _SCALED_LINE = re.compile(
     r"(?:(?<![^\W\d_])(?<!safety )(?<!shape )(?<!form )(?<!gauge )(?<!time )(?:(?:umrechnungs|skalierungs|mess(?:wert)?"
-    r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling)[- ]?)?fa[ck]tor(?:s|en)?(?![^\W\d_])(?! of safety)"
-    r"|(?<![^\W\d_])(?:skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
+    r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling)[- ]?)?fa[ck]tor(?:s|en)?(?![^\W\d_])"
+    r"(?! of safety| (?:der )?sicherheit)"
+    r"|(?<![^\W\d_])(?:skala|skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
     rf"\D{{0,40}}?({_FACTOR})(?![\d.,])"
     rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"
     rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+(?:in\s+(1\s?/\s?10+|0?[.,]0*1|{PARTS})\s*\W?$"
@@ -155,6 +156,24 @@ def factor_in(line: str) -> str | None:
     more = re.findall(_FACTOR, rest) if re.fullmatch(r"[\s\d.,;eE+-]*", rest) else []  # a factor for each channel
     factors = [next(filter(None, found.groups())), *more]
     return next((one for one in factors if re.fullmatch(r"0*1(?:[.,]0*)?", one) is None), None)
+
+
+_OFFSET_LINE = re.compile(
+    r"(?:(?<![^\W\d_])(?:offset|null(?:punkt|ablesung|wert|lage)|anfangs(?:wert|ablesung)|tar[ea]|bias"
+    r"|(?:zero|initial|start(?:ing)?)[ -](?:reading|point|value|offset))(?![^\W\d_]))"
+    r"\D{0,40}?[-+−]?(\d+(?:[.,]\d+)?|[.,]\d+)",
+    re.IGNORECASE,
+)
+
+
+def offset_in(line: str) -> str | None:
+    """The offset of a gauge that a line outside a table names; None for none, and for 0.
+
+    >>> offset_in("Nullablesung [mm]: 12,31"), offset_in("Offset;0,0")
+    ('12,31', None)
+    """
+    found = _OFFSET_LINE.search(line)
+    return None if found is None or not found[1].strip("0.,") else found[1]
 
 
 _COLUMN_OF_FACTORS = re.compile(

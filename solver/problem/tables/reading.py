@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from geoswarm.solver.errors import Issue
@@ -22,6 +23,7 @@ __all__ = [
     "UnnamedColumnsError",
     "cell_number",
     "decoded",
+    "file_content",
     "refuse_surplus",
     "table_lines",
     "table_rows",
@@ -75,6 +77,26 @@ class DoubtError(TableError):
     def __init__(self, assumed: Mapping[str, Any], message: Sentence) -> None:
         super().__init__(message)
         self.assumed = assumed
+
+
+def file_content(path: Path) -> bytes:
+    """Return what a file holds.
+
+    Raises
+    ------
+    TableError
+        It is missing, unreadable, or too large.
+    """
+    if path.is_fifo():  # a pipe would be waited for
+        raise TableError(f"{path} is a pipe, not a file")
+    try:
+        with path.open("rb") as file:
+            return file.read(MAX_TABLE_BYTES + 1)
+    except FileNotFoundError:
+        raise TableError(f"no such file: {path}") from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise TableError(f"{path} cannot be read: {reason}") from None
 
 
 def decoded(content: bytes) -> str:

@@ -82,7 +82,7 @@ _QUANTITY = r"[∆Δδ]?(?:[a-zα-ω]{1,3}|sigma|eps(?:ilon)?|gamma)_?[\d₀-₉
 _NUMBER = r"\d+(?:[.,]\d+)?"
 SUMS = (
     rf"(?-i:(?<![\w\-+·*.,])(?:{_QUANTITY}\s*\+\s*(?:{_QUANTITY}|{_NUMBER})|{_QUANTITY}\s*[·*]\s*[A-Zα-ω](?!\w)"
-    rf"|(?:(?<=^)|(?<=\()){_NUMBER}\s*[-+−–]\s*{_QUANTITY})(?![\w\-+]))"
+    rf"|(?:(?<=^)|(?<=\()){_NUMBER}\s*[-+−–]\s*{_QUANTITY})(?![\w\-+])|(?<=[a-zäöüß])\s?\+\s?{_NUMBER})"
 )
 """Sums and products of symbols, as a regular expression: ``p0+10``, ``σ·A``, ``100-ε``; ``σ1-σ3`` is the deviator."""
 

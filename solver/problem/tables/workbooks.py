@@ -34,6 +34,8 @@ _BUILT_IN = {  # formats that every program has
 _ELAPSED = re.compile(r"\[(?:h+|m+|s+)\]", re.IGNORECASE)
 _LITERAL = re.compile(r'"([^"]*)"|\\(.)')
 _THOUSANDS = re.compile(r"[0#?](,+)(?![0#?,])")  # commas behind the digits: shown in thousands
+_SYMBOL = re.compile(r"\[\$([^\]\-]*)[^\]]*\]")  # [$cm]; [$-407] is a language
+_CONDITION = re.compile(r"\[[<>=][^\]]*\]")
 _QUOTED = re.compile(r'"[^"]*"?|\[[^\]]*\]?|\\.')  # what is not closed reaches to the end: linear in the text
 _LONGEST_FORMAT = 255
 """Characters of a format that spreadsheet programs accept."""
@@ -259,7 +261,11 @@ def _styles(styles: ElementTree.Element) -> list[str]:
 
 
 def _shown(code: str) -> str:
-    code = code[:_LONGEST_FORMAT].split(";")[0]
+    code = _SYMBOL.sub(lambda found: f'"{found[1]}"', code[:_LONGEST_FORMAT])
+    if _CONDITION.search(code) is not None:  # each of the sections may have a unit of its own
+        several = {_shown(_CONDITION.sub("", section)) for section in code.split(";")}
+        return several.pop() if len(several) == 1 else "(in several units)"
+    code = code.split(";")[0]
     plain = _QUOTED.sub("", code)
     if _ELAPSED.search(code) is not None:
         return "elapsed"

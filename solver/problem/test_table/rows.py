@@ -10,9 +10,9 @@ from typing import Any, TypeAlias, get_args
 
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.problem.issues import describe, number, validated
-from geoswarm.solver.problem.tables.cells import file_content, number_in, read_cells
+from geoswarm.solver.problem.tables.cells import number_in, read_cells
 from geoswarm.solver.problem.tables.headings import guess_unit
-from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.tables.reading import TableError, file_content
 from geoswarm.solver.problem.test_table.section import SpecimenRow, SpecimenTable, TestKind
 from geoswarm.solver.sentences import Key
 from geoswarm.solver.units import UnitError, convert

@@ -44,6 +44,24 @@ def test_readings_that_no_soil_can_have_come_first() -> None:
     assert not {one.kind for verdict in found.verdicts for one in verdict.proposals} & {"fix", "link"}
 
 
+def test_readings_that_soils_hardly_have_come_first_where_parameters_are_at_their_bounds() -> None:
+    """Millimetres read as micrometres were a warning before the search, and no word behind it."""
+    with example_file("oedometer") as file:
+        document = load_problem(file).document()
+    observation = document["observations"][0]
+    observation["y_unit"] = "um"
+    observation["points"]["y"] = [8.0 * y for y in observation["points"]["y"]]
+    changes = {"stopping": {"max_evaluations": 60}, "seed": 1}
+    problem = parse_problem(document | changes)
+    assert to_be_accepted(problem) == []
+    fit = fit_of_samples(Calibration(problem, 1), Samples.from_result(problem, calibrate(problem)))
+    assert fit.headline == "The readings do not fit this specimen"
+    assert "they would fit" in fit.remedies[0].text.lower()
+    meant = parse_problem(document | changes | {"accept": ["settlement"]})
+    fit = fit_of_samples(Calibration(meant, 1), Samples.from_result(meant, calibrate(meant)))
+    assert fit.headline != "The readings do not fit this specimen"
+
+
 def test_times_that_end_in_the_first_stage_come_first() -> None:
     """Minutes read as seconds and accepted: the page said that the fit was not tested."""
     with example_file("oedometer") as file:

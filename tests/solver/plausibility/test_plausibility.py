@@ -156,9 +156,9 @@ def test_readings_larger_than_the_specimen() -> None:
 def test_readings_next_to_nothing() -> None:
     (found,) = warnings({"y_unit": "um"})
     assert "5.22 um, is only 0.00026 of the height of the specimen, 0.02 m, under 400 times the initial" in found
-    assert found.endswith("in mm it would be 0.26 of it: y_unit: mm")
+    assert found.endswith("in mm it would be 0.26 of it: y_unit: mm, or check forward_model.height")
     (found,) = warnings({"y_unit": "nm"})
-    assert found.endswith("in mm it would be 0.26 of it: y_unit: mm")
+    assert found.endswith("in mm it would be 0.26 of it: y_unit: mm, or check forward_model.height")
 
 
 def test_strain_in_percent_without_its_unit() -> None:
@@ -314,7 +314,8 @@ def test_stresses_and_state_variables_are_no_strains() -> None:
     [
         ({"y_unit": "m"}, True),  # more than the specimen
         ({"y_unit": "nm"}, True),  # nothing
-        ({"y_unit": "um"}, False),  # hardly, and a very stiff soil may
+        ({"y_unit": "um"}, True),  # its modulus would be that of rock
+        ({"y_unit": "um", "points": {"x": [1, 2], "y": [7, 15]}}, False),  # hardly, and a very stiff soil may
         ({"series": "axial_strain", "y_unit": "1", "points": {"x": [1, 2], "y": [3, 5]}}, True),
         ({"series": "axial_strain", "y_unit": "%", "points": {"x": [1, 2], "y": [3, 5]}}, False),
         ({"points": {"x": [1, 2], "y": [-3, -5]}}, False),

@@ -14,7 +14,9 @@ from geoswarm.solver.problem.tables.columns import Columns, table_of
 from geoswarm.solver.problem.tables.headings import guess_unit, heading_of, unclear_unit, units_of
 from geoswarm.solver.problem.tables.quantities import is_heave, quantities_of
 from geoswarm.solver.sentences import plain
-from tests.solver.problem.test_units_beside_headings import NUMBERS, metres
+from tests.solver.problem.test_laboratory_files import sheet_rows
+from tests.solver.problem.test_measurements import workbook
+from tests.solver.problem.test_units_beside_headings import NUMBERS, metres, settled
 
 
 @pytest.mark.parametrize(
@@ -123,7 +125,12 @@ def test_factors_of_several_channels_and_of_a_calibration() -> None:
 
 @pytest.mark.parametrize(
     "heading",
-    ["Setzung [mm] /2", "1/2 Setzung [mm]", "halbe Setzung [mm]", "double amplitude [mm]", "Setzung x 60 [mm]"],
+    [
+        *("Setzung [mm] /2", "1/2 Setzung [mm]", "halbe Setzung [mm]", "double amplitude [mm]", "Setzung x 60 [mm]"),
+        *("Setzung [mm] (x2)", "Setzung (2,5x) [mm]", "Setzung [mm] (halbiert)", "γ/2 [%]", "Setzung, skaliert [mm]"),
+        *("settlement (model, 1:50) [mm]", "settlement [mm], prototype scale", "Tassement en centièmes de mm"),
+        *("cedimento, centesimi di mm", "setning hundredels mm"),
+    ],
 )
 def test_halves_doubles_and_multiples_are_asked_for(heading: str) -> None:
     """They were millimetres without a word."""
@@ -141,7 +148,13 @@ def test_english_parts_of_units_are_no_seconds(heading: str) -> None:
     assert guess_unit(heading)[2] == "m"
 
 
-@pytest.mark.parametrize("heading", ["Setzung [mm] 1)", "Setzung Probe 1/2 [mm]", "Setzungen in mm und Zeiten"])
+@pytest.mark.parametrize(
+    "heading",
+    [
+        *("Setzung [mm] 1)", "Setzung Probe 1/2 [mm]", "Setzungen in mm und Zeiten", "Setzung [mm] 1:1", "s/H [%]"),
+        *("LVDT (x1) [mm]", "settlement of plate [mm]", "Zusammendrückung der Probe in mm", "Tassement en mm"),
+    ],
+)
 def test_notes_and_names_of_specimens_are_no_factors(heading: str) -> None:
     assert unclear_unit(units_of(heading)) is None
 
@@ -164,6 +177,58 @@ def test_what_is_said_of_a_heave_is_no_sign(heading: str) -> None:
 @pytest.mark.parametrize("heading", ["d(s)/dt [mm]", "ds/dt in mm", "Δs/Δt [mm]"])
 def test_a_derivative_is_asked_for(heading: str) -> None:
     assert "has a function, 'd" in metres(f"Zeit [min];{heading}\n{NUMBERS}", "B:B").replace("Δ", "d")
+
+
+@pytest.mark.parametrize(
+    ("heading", "said"),
+    [
+        ("Setzungszuwachs [mm]", "is a step, 'Setzungszuwachs'"),
+        ("incremental settlement (mm)", "is a step, 'incremental'"),
+        ("settlement [mm] per cycle", "has a function, 'per cycle'"),
+        ("settlement mm per 100 kPa", "has a function, 'per 100'"),
+        ("settlement+0.3 [mm]", "is a sum or a product, '+0.3'"),
+        ("Setzung [mm] in cm", "names several units, mm and cm"),
+        ("Setzung [m] mm", "names several units, m and mm"),
+    ],
+)
+def test_steps_and_sums_of_settlements_are_asked_for(heading: str, said: str) -> None:
+    """They were read as they stand."""
+    assert said in metres(f"Zeit [min];{heading}\n{NUMBERS}", "B:B")
+
+
+def test_a_strain_in_two_units_is_asked_for() -> None:
+    assert unclear_unit(units_of("strain [-] in %")) == "names several units, dimensionless and %"
+
+
+@pytest.mark.parametrize("remark", ["Werte x 0,01", "Skala: 0.01", "scale factor 10"])
+def test_a_remark_beside_the_readings_that_scales_is_asked_for(remark: str) -> None:
+    """Texts in the rows of the readings and over empty columns were passed over."""
+    for content in (
+        f"Zeit [min];Setzung [mm];Bemerkung\n1;1;{remark}\n2;2;\n".encode(),
+        f"Zeit [min];Setzung [mm];{remark}\n1;1;\n2;2;\n".encode(),
+        workbook(("s", sheet_rows(("Zeit [min]", "Setzung [mm]", "", remark), (1, 1.0), (2, 2.0)))),
+    ):
+        assert f"has a factor, 'remark: {remark}'" in metres(content)
+
+
+@pytest.mark.parametrize("line", ["Offset;5", "Nullablesung [mm]: 12,31", "zero reading = 5 mm", "# Tara 0,5"])
+def test_an_offset_beside_the_table_is_asked_for(line: str) -> None:
+    """It was passed over."""
+    content = f"{line}\nZeit [min];Setzung [mm]\n{NUMBERS}"
+    assert "may have an offset, " in (said := metres(content))
+    assert "give y_zero, which is subtracted, or y_unit, which says that none is" in said
+    assert settled(content, y_zero={"y": 0.5}) == [0.0005, 0.0015, 0.0025]
+    assert settled(content, y_unit="mm") == [0.001, 0.002, 0.003]
+
+
+@pytest.mark.parametrize("line", ["Offset;0", "Offset Kraft;5", "Nullpunkt abgezogen: nein", "Offset Zeit;5"])
+def test_no_offset_and_one_of_something_else_are_passed_over(line: str) -> None:
+    assert metres(f"{line}\nZeit [min];Setzung [mm]\n{NUMBERS}") == [0.001, 0.002, 0.003]
+
+
+def test_a_remark_that_does_not_scale_is_passed_over() -> None:
+    content = "Zeit [min];Setzung [mm];Bemerkung\n1;1;Probe 1 mal 2\n2;2;Faktor Sicherheit 1,5\n"
+    assert metres(content) == [0.001, 0.002]
 
 
 @pytest.mark.parametrize("heading", ["Zeitschritt [min]", "time step (s)", "Zeitintervall in min"])

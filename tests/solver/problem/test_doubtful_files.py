@@ -39,11 +39,16 @@ THOUSANDS = b'x,y\n1,"1,000"\n2,"2,000"\n'
         (["0,125", "1,250"], None),  # a leading zero: decimals
         (["1,5", "1,000"], None),
         (["1.000", "2.000"], None),  # a point alone stands before decimals
+        (["800", "1.600", "3.200"], "1.600"),  # behind all of them there would be decimals
+        ([800.0, "1.600"], "1.600"),
+        (["900", "1.235", "1.311"], "1.235"),  # as decimals, they would fall
+        (["605.038", "605", "604.971"], None),
+        (["0", "1.250", "2.500"], None),
         (["1234,567"], None),
         (["12", "1e3", "-7"], None),
     ],
 )
-def test_cells_with_two_readings_are_found(cells: list[str], doubtful: str | None) -> None:
+def test_cells_with_two_readings_are_found(cells: list[str | float], doubtful: str | None) -> None:
     assert doubtful_cell(cells, cells) == doubtful
 
 
@@ -376,6 +381,8 @@ def test_words_beside_a_unit_are_no_factors(heading: str, base: str, factor: flo
         ("Sohlhebung [mm]", True),
         ("Swell [mm]", True),
         ("Setzung/Hebung [mm]", True),
+        ("Gonflement [mm]", True),
+        ("Tassement (mm, négatif vers le bas)", True),
         ("Setzung, Hebung neg. [mm]", False),
         ("Settlement (+) / heave (-) [mm]", False),
         ("Setzung [mm]", False),

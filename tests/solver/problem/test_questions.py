@@ -12,7 +12,7 @@ import yaml
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.solver.problem import TableError, load_problem, problem_yaml, read_measurements
-from tests.solver.problem.test_columns import mistakes
+from tests.solver.problem.test_columns import OEDOMETER, mistakes
 from tests.solver.problem.test_found_units import document, refused, triaxial
 from tests.solver.problem.test_laboratory_files import sheet_rows
 from tests.solver.problem.test_measurements import workbook
@@ -220,3 +220,107 @@ def test_newtons_of_a_force_are_no_symbol(heading: str, tmp_path: Path) -> None:
     """The unit of the series was offered: it made kPa of the newtons."""
     told = refused(tmp_path, "q.csv", f"eps [-];{heading}\n0.001;10\n0.01;40\n", x_column="eps", y_column=heading)
     assert "is in N, a force, but the series needs a stress" in told
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        ("Last [kPa];Porenzahl\n0;1\n9;0,9\n13;0,8\n", "x_from: 1  # x begins at 0, before the first stage"),
+        ("Last [MPa];Porenzahl\n0,005;1\n0,009;0,9\n0,013;0,8\n", "x_from: 1  # x begins at 0.005, before the"),
+        ("Stufe;Porenzahl\n0;1\n1;0,9\n2;0,8\n", "x_from: 1  # x begins at 0, before the first stage"),
+        ("Last [kPa];Porenzahl\n9,04;0,9\n13;0,8\n", ""),
+        ("Stufe;Porenzahl\n1;0,9\n2;0,8\n", ""),
+    ],
+)
+def test_the_state_before_the_first_stage_belongs_to_the_question(content: str, line: str, tmp_path: Path) -> None:
+    """The answer was refused for it: a table of an oedometer test usually begins with the void ratio at first."""
+    (tmp_path / "a.csv").write_text(content, encoding="utf-8")
+    problem = yaml.safe_load(OEDOMETER) | {"observations": [{"series": "stage_void_ratio", "file": "a.csv"}]}
+    problem["forward_model"]["initial_void_ratio"] = 1.0
+    (tmp_path / "p.yaml").write_text(problem_yaml(problem), encoding="utf-8")
+    with pytest.raises(ProblemError) as caught:
+        load_problem(tmp_path / "p.yaml")
+    asked = str(caught.value)
+    assert line in asked if line else "x_from" not in asked
+    lines = "\n".join(line[4:] for line in asked.splitlines() if line.startswith("    "))
+    problem["observations"][0] |= yaml.safe_load(lines)
+    (tmp_path / "p.yaml").write_text(problem_yaml(problem), encoding="utf-8")
+    read = load_problem(tmp_path / "p.yaml").observations[0]
+    assert (read.x.tolist(), read.y.tolist()) == ([1, 2], [0.9, 0.8])
+
+
+def test_another_strain_is_named_as_such(tmp_path: Path) -> None:
+    """A shear strain was suggested as the axial strain without a word."""
+    asked = refused(tmp_path, "a.csv", "ShearStrain_pct,q_kPa\n0.1,10\n1,40\n")
+    assert "x_column: ShearStrain_pct  # 0.1, 1; its heading says shear strain\n" in asked
+    assert "its heading says" not in refused(tmp_path, "a.csv", "eps1_pct,q_kPa\n0.1,10\n1,40\n")
+
+
+@pytest.mark.parametrize(
+    ("content", "units", "lines", "x", "y"),
+    [
+        (  # gradings
+            "Siebdurchgang [%];Korndurchmesser [mm]\n10;0,063\n90;2\n",
+            ("m", ""),
+            {"x_column": "Korndurchmesser [mm]", "y_column": "Siebdurchgang [%]"},
+            [6.3e-5, 2e-3],
+            [0.1, 0.9],
+        ),
+        (
+            "Sieve size,Percent finer\n0.063,10\n2,90\n",
+            ("m", ""),
+            {"x_column": "Sieve size", "x_unit": "mm", "y_column": "Percent finer"},
+            [6.3e-5, 2e-3],
+            [0.1, 0.9],
+        ),
+        (  # retention curves
+            "vol. water content (-),soil suction (kPa)\n0.40,1\n0.20,100\n",
+            ("kPa", ""),
+            {"x_column": "soil suction (kPa)", "y_column": "vol. water content (-)"},
+            [1, 100],
+            [0.4, 0.2],
+        ),
+        (
+            "psi [hPa];theta [cm3/cm3];T [°C]\n10;0,4;20\n1000;0,2;20\n",
+            ("kPa", ""),
+            {"x_column": "psi [hPa]", "y_column": "theta [cm3/cm3]"},
+            [1, 100],
+            [0.4, 0.2],
+        ),
+    ],
+)
+def test_gradings_and_retention_curves_need_one_answer(
+    content: str, units: tuple[str, str], lines: dict[str, str], x: list[float], y: list[float], tmp_path: Path
+) -> None:
+    (tmp_path / "a.csv").write_text(content, encoding="utf-8")
+    series = {"expression": "a * x", "x_unit": units[0], "y_unit": units[1]}
+    problem = document("a.csv") | {
+        "forward_model": {"kind": "formula", "series": {"curve": series}},
+        "parameters": {"a": {"lower": -1, "upper": 1}},
+        "observations": [{"series": "curve", "file": "a.csv"}],
+    }
+    (tmp_path / "p.yaml").write_text(problem_yaml(problem), encoding="utf-8")
+    with pytest.raises(ProblemError) as caught:
+        load_problem(tmp_path / "p.yaml")
+    keys = yaml.safe_load("\n".join(line[4:] for line in str(caught.value).splitlines() if line.startswith("    ")))
+    assert keys == lines
+    problem["observations"][0] |= keys
+    (tmp_path / "p.yaml").write_text(problem_yaml(problem), encoding="utf-8")
+    read = load_problem(tmp_path / "p.yaml").observations[0]
+    np.testing.assert_allclose(read.x, x)
+    np.testing.assert_allclose(read.y, y)
+
+
+def test_a_unit_that_a_heading_leaves_open_is_said_in_the_question(tmp_path: Path) -> None:
+    """An example was given for it as for a column without a unit."""
+    asked = refused(tmp_path, "a.csv", "eps [%];q [kPa] in bar\n0,1;10\n1;40\n")
+    assert "y_unit: kPa  # its heading names several units, kPa and bar\n" in asked
+
+
+def test_a_deviator_stress_is_suggested_as_a_difference(tmp_path: Path) -> None:
+    """The radial stress was suggested."""
+    content = "eps_a[%],sigma_r[kPa],sigma_v[kPa]\n0.1,100,110\n1,100,140\n"
+    keys, y = answered(tmp_path, "a.csv", content)
+    assert keys == {"x_column": "eps_a[%]", "y_column": "sigma_v[kPa]", "y_minus": "sigma_r[kPa]"}
+    assert y == [10, 40]
+    assert "y_minus" not in refused(tmp_path, "a.csv", content.replace("sigma_v", "q"))

@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 import yaml
 
 from geoswarm.solver.problem import measured_points, read_measurements
 from tests.solver.problem.test_columns import OEDOMETER, mistakes, observed
-from tests.solver.problem.test_laboratory_files import sheet_rows
+from tests.solver.problem.test_laboratory_files import ods_cell, open_document, sheet_rows
 from tests.solver.problem.test_measurements import workbook
+from tests.solver.problem.test_units_beside_headings import metres
 
 LYING = sheet_rows(
     ("Korndichte:", 2.65, "g/cm^3"),
@@ -50,6 +52,9 @@ def test_loads_in_place_of_the_numbers_of_stages(tmp_path: Path) -> None:
     end = {"series": "stage_settlement", "x_column": "Last", "y_column": "Setzung"}
     wrong = mistakes(tmp_path, "a.csv", text, **end)
     assert "x = 0 kPa (point 1) is the load of no stage of the forward model (9, 13); give the cells" in wrong
+    assert wrong.endswith("or leave out what is before them: x_from: 1")
+    begun = observed(tmp_path, "a.csv", text, **end, x_from=1)
+    assert (begun.x.tolist(), begun.points.y) == ([1, 2], [0, 0.05, 0.08])
     one = observed(tmp_path, "a.csv", text.replace("0;0\n", ""), **end)
     assert (one.x.tolist(), one.x_unit, one.y_unit, one.points.y) == ([1, 2], None, "mm", [0.05, 0.08])
     assert one.notes == ("x is the number of the stage with the load of column Last [MPa]",)
@@ -96,3 +101,46 @@ def test_columns_that_are_not_there_are_told_at_once(tmp_path: Path) -> None:
     assert "which columns hold x (time) and y (settlement), and in what unit?" in wrong
     assert "x_column: A:A  # 0, 1; or C:C: no heading says so\n" in wrong
     assert "columns: A:A (0, 1); B:B (0, 0.25); C:C (60, 59)" in wrong
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("0.0\\ [$cm]", "names several units, cm and mm"),
+        ("[&gt;100]0.0&quot; mm&quot;;0.0&quot; cm&quot;", "'5 (in several units)' is not a finite number"),
+        ("[Red][&gt;100]0.0&quot; mm&quot;;0.0&quot; mm&quot;", [0.005, 0.007]),
+        ("[$-407]0.0", [0.005, 0.007]),
+    ],
+)
+def test_the_unit_of_a_format_counts_wherever_it_is(code: str, said: str | list[float]) -> None:
+    """Centimetres under ``Setzung [mm]`` were millimetres."""
+    formats = f'<numFmts><numFmt numFmtId="170" formatCode="{code}"/></numFmts>'
+    styles = f'{formats}<cellXfs><xf numFmtId="0"/><xf numFmtId="170"/></cellXfs>'
+    rows = "".join(
+        f'<row r="{line}"><c r="A{line}"><v>{line}</v></c><c r="B{line}" s="1"><v>{value}</v></c></row>'
+        for line, value in ((2, 5), (3, 7))
+    )
+    content = workbook(("s", sheet_rows(("Zeit [min]", "Setzung [mm]")) + rows), styles=styles)
+    found = metres(content)
+    assert said in found if isinstance(said, str) else found == said
+
+
+@pytest.mark.parametrize(
+    ("shown", "said"),
+    [
+        ("{} µm", [5e-6, 7e-6]),
+        ("{},0 cm", [0.05, 0.07]),
+        ("{}.00E+00", "has no unit"),
+        ("{} mm/s", "'5 mm/s' is not a finite number"),
+    ],
+)
+def test_the_unit_that_an_open_document_shows_counts(shown: str, said: str | list[float]) -> None:
+    """It was passed over."""
+    cells = [
+        f'<table:table-cell office:value-type="float" office:value="{value}"><text:p>{shown.format(value)}</text:p>'
+        "</table:table-cell>"
+        for value in (5, 7)
+    ]
+    names = ods_cell("Zeit [min]", "string") + ods_cell("Setzung", "string")
+    found = metres(open_document(names, *(ods_cell(float(line)) + cell for line, cell in enumerate(cells, 1))))
+    assert said in found if isinstance(said, str) else found == said

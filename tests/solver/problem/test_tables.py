@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from geoswarm.solver.problem.tables.cells import file_content, read_cells
+from geoswarm.solver.problem.tables.cells import read_cells
 from geoswarm.solver.problem.tables.columns import Columns, Table, table_of
-from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError
+from geoswarm.solver.problem.tables.reading import MAX_TABLE_BYTES, TableError, file_content
 
 
 def read_table(path: Path, columns: Columns | None = None) -> Table:

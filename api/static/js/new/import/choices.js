@@ -6,7 +6,7 @@ export const CELLS = "cells"; // a column that is given by its letters, cells or
 
 /** What is chosen at first; `more` holds what few files need. */
 export function beginning() {
-  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, from0: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, together: false, staged: false, found: {}, given: {}, more: {} };
+  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, early: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, together: false, staged: false, found: {}, given: {}, more: {} };
 }
 
 /** Columns and units for a series that was chosen. */
@@ -16,12 +16,12 @@ export function suit(state, file, info, y = null) {
   suitUnits(state, file, info);
   const weight = file.columns.findIndex((column) => column.name.trim().toLowerCase() === "weight");
   if (weight >= 0) state.more.weight_column ??= weight;
-  const clocks = file.columns.map((column, i) => [column, i]).filter(([column]) => column.kind === "clock");
-  if (clocks.length === 1 && file.columns[state.x]?.kind === "time") state.more.x_time_column ??= clocks[0][1];
 }
 
-/** The unit that a heading names, whether it fits or not; where it names none and the series has one, that given by hand, else it is asked for. */
+/** The unit that a heading names, whether it fits or not; where it names none and the series has one, that given by hand, else it is asked for. The only column of times of day belongs to dates. */
 export function suitUnits(state, file, info, axes = ["x", "y"]) {
+  const clocks = file.columns.flatMap((column, i) => (column.kind === "clock" ? [i] : []));
+  if (clocks.length === 1 && file.columns[state.x]?.kind === "time") state.more.x_time_column ??= clocks[0];
   for (const axis of axes) {
     const column = file.columns[state[axis]];
     const clock = axis === "x" && column?.kind === "clock";
@@ -38,10 +38,16 @@ export function unitQuestions(file, state, info) {
   });
 }
 
-/** The column with the entries of specimens, where there are several of them. */
-export function specimenColumn(file) {
-  const found = file.columns.findIndex((column) => column.quantities.includes("specimen") && Object.keys(column.entries).length > 1 && Object.keys(column.entries).length < file.rows);
-  return found < 0 ? null : found;
+const MOST_STAGES = 20;
+
+/** The column with the entries of several specimens; else of several stages, where the strains of x fall from one to the next. */
+export function specimenColumn(file, state) {
+  const entries = ({ entries }) => Object.keys(entries).length;
+  const several = (word, most) => file.columns.findIndex((column, i) => i !== state.x && column.quantities.includes(word) && entries(column) > 1 && entries(column) <= most);
+  const x = file.columns[state.x], known = x?.values.filter((value) => value !== null) ?? [];
+  const falls = x?.quantities.some((one) => one.includes("strain")) && known.some((value, i) => value < known[i - 1]);
+  const found = [several("specimen", file.rows - 1), falls ? several("stage", Math.min(MOST_STAGES, file.rows - 1)) : -1].find((place) => place >= 0);
+  return found ?? null;
 }
 
 const chosen = (file, state) => [state.x, state.y, state.more.y_minus, state.more.weight_column].map((i) => file.columns[i]).filter(Boolean);
@@ -84,7 +90,7 @@ export function open(file, state, info) {
     numbers && !state.decimal ? `“${numbers.doubt}” in ${numbers.name} can be one thousand or one: say how numbers are written.` : null,
     clock && !state.dates ? `“${clock.first.find(Boolean)}” in ${clock.name} is a time: say how the time since the start is written, or choose the column of the dates.` : null,
     dates && !state.dates ? `“${dates.doubt}” in ${dates.name} can be read in two ways: say how dates are written.` : null,
-    specimenColumn(file) !== null && state.specimen === null ? "Choose the specimen." : null,
+    specimenColumn(file, state) !== null && state.specimen === null ? `Choose the ${file.columns[specimenColumn(file, state)].quantities[0]}.` : null,
   ].filter(Boolean);
 }
 
@@ -108,13 +114,14 @@ export function section(file, state) {
   const named = [state.x, state.y].every((one) => one === CELLS) && ![state.xCells, state.yCells].some((one) => one.includes(":"));
   const of = state.more, blocks = joinsBlocks(file, state) ? joinable(file, state) : undefined;
   const inputs = Object.fromEntries((of.inputs ?? []).filter(([name, from]) => name && from !== null).map(([name, from]) => [name, column(from)]));
-  const where = specimenColumn(file) !== null && state.specimen ? { [reference(file, specimenColumn(file))]: state.specimen }
+  const part = specimenColumn(file, state);
+  const where = part !== null && state.specimen ? { [reference(file, part)]: state.specimen }
     : typeof of.whereColumn === "number" && of.whereEntry ? { [reference(file, of.whereColumn)]: of.whereEntry } : undefined;
   return {
     series: state.series, sheet: file.sheet && !named && !blocks?.[0].sheet ? file.sheet : undefined,
     x_column: axis("x"), y_column: axis("y"), y_minus: column(of.y_minus), weight_column: column(of.weight_column),
     gross_error_column: column(of.gross_error_column), inputs: Object.keys(inputs).length ? inputs : undefined, where,
-    x_dates: state.dates ?? undefined, x_time_column: column(of.x_time_column), x_origin: of.x_origin || undefined,
+    x_dates: state.dates ?? undefined, x_time_column: ["time", undefined].includes(file.columns[state.x]?.kind) ? column(of.x_time_column) : undefined, x_origin: of.x_origin || undefined,
     decimal_sign: state.decimal ?? undefined, incomplete_rows: state.incomplete ? "leave_out" : undefined,
     x_factor: factor(of.x_factor), y_factor: factor(of.y_factor), blocks: state.blocks ?? blocks, notes: of.notes ? [of.notes] : undefined,
   };

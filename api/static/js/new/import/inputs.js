@@ -2,15 +2,17 @@
 import { element } from "../../dom.js";
 import { count } from "../../format.js";
 
+export const BEFORE = "Leave out readings before"; // the beginning of a series: strain or time 0, stage 1
 export const LEAVE_OUT = "Leave out rows without a number in every column";
 
+const BOXES = { incomplete_rows: LEAVE_OUT, x_from: `${BEFORE} stage` };
 const FIELDS = {
   sheet: "map-sheet", x_column: "map-x", y_column: "map-y", x_unit: "map-x-unit", y_unit: "map-y-unit", x_dates: "map-dates", x_time_column: "map-x_time_column",
   x_origin: "map-origin", y_minus: "map-y_minus", decimal_sign: "map-sign", x_factor: "map-x-factor", y_factor: "map-y-factor", load_unit: "map-load-unit", load_column: "map-load_column",
 };
 
 /** What the field for a key of the observation is called here; nothing for one that the import does not ask for. */
-export const labelHere = (key) => (key === "incomplete_rows" ? LEAVE_OUT : document.getElementById(FIELDS[key])?.labels[0].textContent);
+export const labelHere = (key) => BOXES[key] ?? document.getElementById(FIELDS[key])?.labels[0].textContent;
 
 /** A choice among [value, name, disabled?]; a value that is none of them is still to be chosen. */
 export function choice(id, label, options, value, act, { help = null, asked = false, wide = false } = {}) {

@@ -7,7 +7,7 @@ import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
 import { messageOf } from "../words.js";
 import { CELLS, beginning, conflicts, doubts, joinable, joinsBlocks, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
-import { LEAVE_OUT, choice, firstRows, flag, labelHere, words } from "./inputs.js";
+import { BEFORE, LEAVE_OUT, choice, firstRows, flag, labelHere, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
 import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
 import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
@@ -53,7 +53,7 @@ export function mapping(file, content, context, act) {
     try {
       const loads = byLoad(info(), "x") && plainBase(state.xUnit) !== "dimensionless" ? state.xUnit || undefined : undefined;
       const joined = joinsBlocks(file, state) && file.columns[state.x].kind === "number" ? state.xUnit || undefined : undefined;
-      const query = { name: file.name, observation: JSON.stringify({ ...section(file, state), x_unit: loads ?? joined }), forward_model: context.forwardModel() };
+      const query = { name: file.name, observation: JSON.stringify({ ...section(file, state), x_unit: loads ?? joined, x_from: state.early && begin() > 0 ? begin() : undefined }), forward_model: context.forwardModel() };
       points = await (await request("POST", "/measurements/points", { query, body: content, headers: { "Content-Type": "application/octet-stream" }, signal: mine.signal })).json();
       ["x", "y"].filter((axis) => state[axis] === CELLS && !byLoad(info(), axis)).forEach(found);
     } catch (error) {
@@ -76,18 +76,20 @@ export function mapping(file, content, context, act) {
 
   const unsorted = () => points !== null && points.x.some((x, i) => i > 0 && x <= points.x[i - 1]);
 
-  /** How many readings lie before the test, where its x begin at 0: noise, as a rule. */
-  const before = () => (points && /strain|^time$/.test(info()?.x_quantity ?? "") && points.x.some((x) => x >= 0) ? points.x.filter((x) => x < 0).length : 0);
+  /** Where x of the series begin, where readings before it are noise or the state before the first stage. */
+  const begin = () => (/strain|^time$/.test(info()?.x_quantity ?? "") ? 0 : byLoad(info(), "x") ? 1 : -Infinity);
+  const before = () => (points?.x.some((x) => x >= begin()) ? points.x.filter((x) => x < begin()).length : 0);
+  const refusedFor = (key) => refused.some(({ parts }) => parts?.some(({ path }) => path === key));
 
   /** What is open, wrong or done, and what the button would do. */
   function show() {
     const questions = [...open(file, state, info()), ...unitQuestions(file, state, info())], units = Object.values(conflicts(file, state, info())).filter(Boolean);
-    const incomplete = state.incomplete || refused.some(({ parts }) => parts?.some(({ path }) => path === "incomplete_rows"));
+    const incomplete = state.incomplete || refusedFor("incomplete_rows"), early = before() > 0 || (state.early && !points && begin() > 0) || refusedFor("x_from");
     exchange(wrong,
       questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
       [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) => element("p", { class: "error", role: "alert" }, text)),
       incomplete ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
-    exchange(order, before() ? flag("map-before", `Leave out readings (${count(before())}) before ${quantity("x")[0]} 0`, state.from0, (on) => { state.from0 = on; }) : null, unsorted() && info()?.x_increasing
+    exchange(order, early ? flag("map-before", `${BEFORE} ${quantity("x")[0]} ${begin()}${before() ? ` (${count(before())})` : ""}`, state.early, (on) => { state.early = on; if (begin() > 0) load(); }) : null, unsorted() && info()?.x_increasing
       ? [element("p", { class: "help stale" }, `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`),
         flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => { state.sort = on; })]
       : null);
@@ -114,7 +116,7 @@ export function mapping(file, content, context, act) {
         (value) => { state.series = value; suit(state, file, info()); change(true); }, { help: about?.description, asked: true, wide: true }),
       element("div", { class: "fields wide-field" }, pick("y", (column) => column.kind === "number")),
       element("div", { class: "fields wide-field" }, pick("x", readable)));
-    const { numbers, dates, clock } = doubts(file, state), specimens = specimenColumn(file), blocks = about && !byLoad(about, "x") ? joinable(file, state) : [];
+    const { numbers, dates, clock } = doubts(file, state), specimens = specimenColumn(file, state), blocks = about && !byLoad(about, "x") ? joinable(file, state) : [];
     exchange(asked,
       numbers ? choice("map-sign", "How are numbers written?", SIGNS, state.decimal, (value) => { state.decimal = value; change(true); }, { help: `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`, asked: true }) : null,
       dates ? choice("map-dates", "How are dates written?", DATES, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${dates.doubt}” can be read in two ways.`, asked: true }) : null,
@@ -157,7 +159,7 @@ export function mapping(file, content, context, act) {
     observation.points = { x, y, ...(weight ? { weight } : {}), ...(readings ? { readings } : {}), ...(independent ? { independent } : {}), ...(range === null ? {} : { range }), ...(Object.keys(inputs).length ? { inputs } : {}) };
     if (state.reverse) observation.y_factor = -1;
     if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });
-    if (state.from0 && before()) observation.x_from = 0;
+    if (state.early && before()) observation.x_from = begin();
     if (gross.length) observation.gross_errors = gross;
     if (told.length) observation.notes = told;
     plot.remove();

@@ -25,7 +25,7 @@ export function moreFields(file, state, change, open) {
     words("map-origin", "x = 0 is at", of.x_origin ?? "", set("x_origin"), { placeholder: "2024-03-01 08:30", help: "Where x holds dates; the first of them unless given." }),
     asked.dates || asked.clock ? null : choice("map-dates", "Dates of x", [[null, "as they are"], ...DATES, ["serial", "numbers of days, as spreadsheets count"], ...CLOCKS], state.dates, (value) => { state.dates = value; change(true); }),
     asked.numbers ? null : choice("map-sign", "Numbers", [[null, "as they are"], ...SIGNS], state.decimal, (value) => { state.decimal = value; change(false); }),
-    specimenColumn(file) === null
+    specimenColumn(file, state) === null
       ? choice("map-where", "Only rows with", [[undefined, "all rows"], ...columns.filter(([i]) => Object.keys(file.columns[i].entries).length)], of.whereColumn, (value) => { of.whereEntry = undefined; set("whereColumn", true)(value); }, { help: "An empty cell means the entry above it." })
       : null,
     Object.keys(entries).length
