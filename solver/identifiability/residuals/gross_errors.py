@@ -48,6 +48,10 @@ class Excluded:
     deviations: float
     expected: float
 
+    def is_beside(self, other: Excluded) -> bool:
+        """Whether another one is its neighbour, on the same side of the curve."""
+        return abs(self.index - other.index) == 1 and self.deviations * other.deviations > 0.0
+
 
 def excluded_readings(residuals: FloatArray, basis: FloatArray, own: IntArray, *, known: bool) -> tuple[Excluded, ...]:
     """Find the readings of one series that its others exclude.

@@ -20,7 +20,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.misfits import DOES_NOT_HOLD, Closeness, Misfit, headline_of, sentence_of
 from geoswarm.solver.identifiability.remedies import Remedy, check_readings, follow_up, remedies_of
 from geoswarm.solver.identifiability.residuals.closeness import closeness_of
-from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, Excluded, excluded_readings
+from geoswarm.solver.identifiability.residuals.gross_errors import GROSS_LEVEL, excluded_readings
 from geoswarm.solver.identifiability.residuals.independence import repeats_test
 from geoswarm.solver.identifiability.residuals.readings import (
     FEWEST_FREE,
@@ -249,7 +249,7 @@ def _gross(
             place = int(one.index - own[0])
             apart = one.expected * deviations[one.index] / readings.inside[one.index]
             slip = _slip(float(measured.y[place]), float(apart), abs(one.deviations))
-            if slip is not None or not any(_neighbours(one, other) for other in found):
+            if slip is not None or not any(one.is_beside(other) for other in found):
                 excluded.append(one.index)
             misfits.append(
                 Misfit(
@@ -268,10 +268,6 @@ def _gross(
                 )
             )
     return misfits, excluded
-
-
-def _neighbours(one: Excluded, other: Excluded) -> bool:
-    return abs(one.index - other.index) == 1 and one.deviations * other.deviations > 0.0
 
 
 def _slip(y: float, apart: float, deviations: float) -> float | None:

@@ -26,8 +26,8 @@ from tests.api.test_uncertainty import noisy
 from tests.contracts.repository import ROOT
 
 MODULES = (
-    *("job", "evaluation", "history", "fit", "remedy", "statistics"),
-    *("uncertainty", "worker", "account"),
+    *("job", "evaluation", "fit", "remedy", "statistics", "uncertainty"),
+    *("account", "problem", "progress", "record", "service"),
 )
 
 

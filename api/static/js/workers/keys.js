@@ -40,7 +40,7 @@ export async function keysPanel(place) {
 function table(keys, revoke) {
   const head = ["Owner", "Role", "State", "Label", "Made", "Expires", "Last used", "Key", ""];
   const when = (timestamp, never) => (timestamp ? element("time", { datetime: timestamp, title: moment(timestamp) }, new Date(timestamp) > Date.now() ? moment(timestamp) : age(timestamp)) : never);
-  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "API keys" }, element("table", {},
+  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Table of API keys" }, element("table", {},
     element("thead", {}, element("tr", {}, head.map((text) => (text ? element("th", { scope: "col" }, text) : element("td"))))),
     element("tbody", {}, keys.map((key) => element("tr", {},
       element("th", { scope: "row" }, key.owner), element("td", {}, key.role), element("td", {}, element("span", { class: `state ${key.state}` }, key.state)), element("td", {}, key.label || "–"),
