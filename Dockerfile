@@ -11,6 +11,7 @@ COPY api api
 COPY workers workers
 COPY solver solver
 COPY examples examples
+COPY docs docs
 RUN /opt/geoswarm/bin/pip install --no-cache-dir --no-compile --disable-pip-version-check --no-deps --no-build-isolation .
 # Layers keep whole seconds of a file's time, and compiled code is only used while its source has the time that it had.
 RUN find /opt/geoswarm -name '*.py' -exec touch -d '2000-01-01T00:00:00Z' {} + \

@@ -34,6 +34,8 @@ class LinksHook(BuildHookInterface[Any]):
             )
         if version == "standard" and self.target_name == "wheel":
             docs = Path(self.root) / "docs"
+            if not (docs / "index.md").is_file():
+                raise SystemExit("geoswarm: the folder docs is missing; the service shows it. Copy it beside geoswarm/")
             for path in docs.rglob("*"):
                 below = path.relative_to(docs)
                 if path.suffix in SHOWN and below.parts[0] not in LEFT_OUT:

@@ -47,6 +47,7 @@ router = APIRouter()
 @router.get("/help/{name:path}")
 def help_page(request: Request, name: str = "index") -> Response:
     """Show a page of the documentation, or a picture of one."""
+    name = name or "index"
     path = _files().get(name)
     if path is None:
         raise DetailError(404, "The documentation has no such page; /help is its first one.", title="Page not found")

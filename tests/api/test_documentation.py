@@ -32,6 +32,11 @@ def test_all_links_of_all_pages_lead_somewhere(engine: Engine) -> None:
     assert not any('style="' in text.partition("<article")[2] for text in pages.values())
 
 
+def test_the_first_page_has_a_second_address(engine: Engine) -> None:
+    app = App(engine.service)
+    assert app.get("/help/").text == app.get("/help").text
+
+
 def test_a_page_that_is_not_there_says_where_to_begin(engine: Engine) -> None:
     app = App(engine.service)
     for name in ("nothing", "../pyproject", "%2e%2e/pyproject.toml", "decisions/0001", "statistics.md"):

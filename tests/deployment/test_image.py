@@ -35,8 +35,8 @@ def image(tmp_path_factory: pytest.TempPathFactory) -> Image:
 def test_the_build_sees_only_what_git_knows_and_the_wheel_needs(tmp_path: Path) -> None:
     copy_context(ROOT, tmp_path)
     tops = {path.name for path in tmp_path.iterdir()}
-    assert {"geoswarm", "api", "workers", "solver", "examples", "requirements", "hatch_build.py"} <= tops
-    assert {"tests", "docs", ".git", ".venv", ".env", "secrets", "docker-compose.yml"}.isdisjoint(tops)
+    assert {"geoswarm", "api", "workers", "solver", "examples", "docs", "requirements", "hatch_build.py"} <= tops
+    assert {"tests", ".git", ".venv", ".env", "secrets", "docker-compose.yml"}.isdisjoint(tops)
     assert (tmp_path / "geoswarm" / "api").is_symlink()
     assert not list(tmp_path.rglob("__pycache__"))
     assert [path.name for path in (tmp_path / "requirements").iterdir()] == ["image.txt"]
@@ -51,6 +51,7 @@ def test_the_build_folder_is_enough(image: Image) -> None:
     assert image.path("/usr/share/doc/geoswarm/THIRD-PARTY-LICENSES.md").is_file()
     where = image.run(["python", "-c", "import geoswarm; print(geoswarm.__file__)"], entrypoint=False)
     assert where.stdout.startswith(str(image.path("/opt/geoswarm"))), where.stderr
+    assert Path(where.stdout.strip()).with_name("docs").joinpath("index.md").is_file()
 
 
 @pytest.mark.slow

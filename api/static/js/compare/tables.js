@@ -58,9 +58,9 @@ export function parametersTable(loaded) {
 }
 
 /** Interval, verdict and bound of a value, as far as its job knows them. */
-function certainty({ intervals, verdict_words: verdicts, at_bounds: bounds }, name) {
+function certainty({ intervals, verdicts, verdict_words: said, at_bounds: bounds }, name) {
   const interval = intervals?.[name];
-  const parts = [interval && ends(...interval, 3), verdicts?.[name], bounds?.[name] && `at its ${bounds[name]} bound`].filter(Boolean);
+  const parts = [interval && ends(...interval, 3), said?.[name] ?? (verdicts && plain(verdicts[name])), bounds?.[name] && `at its ${bounds[name]} bound`].filter(Boolean);
   return parts.length ? element("small", {}, element("br"), parts.join(", ")) : null;
 }
 
