@@ -10,6 +10,7 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, message_of
+from geoswarm.solver.forward.base import ForwardRun
 from geoswarm.solver.forward.combined import CombinedRun
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
 from geoswarm.solver.objective.outcome import ForwardOutcome, joined, outcome_of
@@ -108,6 +109,14 @@ class Calibration:
             rows = np.array([self.objective.weighted_residuals(r) for r in offer.responses])
             self.offered = Runs.of(offer.parameters, rows)
         self._run = problem.model.prepare(self.grids)
+        self._parts: list[tuple[ForwardRun, LeastSquares]] = []
+        """Each part with the series that it gives, where these serve without the others."""
+        if problem.method.keeps_parts and isinstance(self._run, CombinedRun):
+            observed = self.objective.observed
+            self._parts = [
+                (run, LeastSquares([one for one in observed if one.series.partition(".")[0] == part]))
+                for part, run in self._run.parts.items()
+            ]
 
     def make_ready(self) -> None:
         """Let the forward run load what it needs, outside any evaluation and its limits."""
@@ -130,17 +139,9 @@ class Calibration:
 
     def _outcome(self, values: Mapping[str, float]) -> ForwardOutcome:
         """Run the forward calculation; part by part where the series of each serve without the others."""
-        if not (self.problem.method.keeps_parts and isinstance(self._run, CombinedRun)):
+        if not self._parts:
             return outcome_of(self._run, values, self.objective.responses)
-        return joined(
-            [
-                outcome_of(run, values, LeastSquares(self._observed_in(part)).responses)
-                for part, run in self._run.parts.items()
-            ]
-        )
-
-    def _observed_in(self, part: str) -> list[ObservedSeries]:
-        return [one for one in self.objective.observed if one.series.partition(".")[0] == part]
+        return joined([outcome_of(run, values, series.responses) for run, series in self._parts])
 
     def judged(self, parameters: FloatArray, outcome: ForwardOutcome) -> Evaluation:
         """Return the evaluation for a forward calculation, wherever it ran: its misfits and objective.

@@ -82,6 +82,7 @@ def _read(name: str) -> tuple[str, str]:
             title = words if token.tag == "h1" else title
             token.attrSet("id", _anchor(words, taken))
         elif token.type == "fence" and token.info == "mermaid":
+            # named as docs/draw_diagrams.py names it
             picture = f"/help/pictures/diagrams/{hashlib.sha256(token.content.encode()).hexdigest()[:12]}.svg"
             token.type, token.content = "html_block", f'<p><img src="{picture}" alt="Diagram"></p>'
         elif token.type in ("th_open", "td_open") and (style := token.attrs.pop("style", None)):
