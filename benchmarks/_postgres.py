@@ -60,10 +60,11 @@ class LockTimes:
 
     def __init__(self, store: Store) -> None:
         self.seconds: list[float] = []
+        self._engine = store.engine
         self._local = threading.local()
         self._lock_job = runtime.lock_job
         runtime.lock_job = self._lock  # type: ignore[assignment]  # it stands around the function
-        event.listen(store.engine, "commit", self._commit)
+        event.listen(self._engine, "commit", self._commit)
 
     def _lock(self, *given: Any, **more: Any) -> Any:
         locked = self._lock_job(*given, **more)
@@ -78,6 +79,7 @@ class LockTimes:
     def close(self) -> None:
         """Lock as before."""
         runtime.lock_job = self._lock_job
+        event.remove(self._engine, "commit", self._commit)
 
 
 def accounts(store: Store) -> tuple[int, str]:

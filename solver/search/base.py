@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.search.runs import Runs
@@ -36,7 +36,6 @@ class Search(Protocol):
         """State from which the same class restores a search that continues bit for bit alike."""
 
 
-@runtime_checkable
 class WideSearch(Search, Protocol):
     """A search whose generations may have any size, and may overlap."""
 

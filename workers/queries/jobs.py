@@ -246,8 +246,9 @@ def _insert_generations(
     if not records:
         return
     begun = [locked.row.dispatched_at, *times[:-1]]
-    enter(generations, tuple(column.name for column in generations.columns)).write(
+    enter(
         connection,
+        generations,
         [
             {
                 "job_id": locked.id,

@@ -16,6 +16,8 @@ from psycopg.pq.abc import PGresult
 
 __all__ = ["PreparedStatements"]
 
+BINARY, TEXT = PyFormat.BINARY, PyFormat.TEXT
+
 
 class PreparedStatements:
     """Those of one connection. Other threads go on while the database answers; signals are handled afterwards.
@@ -47,7 +49,7 @@ class PreparedStatements:
             self._checked(libpq.prepare(name, text.encode()))
             self._names[text] = name
         # A type that depends on a number's size would not fit the next one: the types are those of the statement.
-        formats = [PyFormat.BINARY if isinstance(value, bytes) else PyFormat.TEXT for value in values]
+        formats = [BINARY if type(value) is bytes else TEXT for value in values]
         given: Any = self._values.dump_sequence(values, formats)  # None is NULL, which the types of psycopg leave out
         result = self._checked(libpq.exec_prepared(name, given, self._values.formats))
         if result.status != ExecStatus.TUPLES_OK:

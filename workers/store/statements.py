@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from sqlalchemy import Connection, Insert, Select, Table, Update, bindparam, insert, update
@@ -16,6 +16,7 @@ from sqlalchemy.exc import DBAPIError
 
 __all__ = ["Statement", "change", "enter"]
 
+MANY = 50  # rows
 CURSOR, PREPARED = "cursor", "prepared"  # of a connection, for all statements
 
 
@@ -75,12 +76,8 @@ class Statement:
             else:
                 cursor.executemany(text, values)
             return cursor.fetchall() if cursor.description else (), cursor.rowcount
-        except dialect.loaded_dbapi.Error as error:  # what SQLAlchemy makes of it
-            dead = dialect.is_disconnect(error, driver, None)
-            if dead:
-                connection.invalidate(error)
-            kind = dialect.loaded_dbapi.Error
-            raise DBAPIError.instance(text, values, error, kind, connection_invalidated=dead) from error
+        except dialect.loaded_dbapi.Error as error:
+            raise _of_sqlalchemy(connection, text, values, error) from error
 
     def _compile(self, dialect: Any) -> tuple[str, dict[str, Any], Sequence[str] | None]:
         key = dialect.paramstyle
@@ -106,7 +103,46 @@ def change(table: Table, key: tuple[str, ...], names: tuple[str, ...]) -> Statem
     return Statement(update(table).where(*here).values({name: bindparam(f"to_{name}") for name in names}))
 
 
-@cache
-def enter(table: Table, names: tuple[str, ...]) -> Statement:
-    """Return the statement that inserts rows of these columns; built once."""
-    return Statement(insert(table).values({name: bindparam(name) for name in names}).inline())
+def enter(connection: Connection, table: Table, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Insert rows with the same columns: a few in one statement, many by PostgreSQL's COPY, at a third of the cost.
+
+    Raises
+    ------
+    sqlalchemy.exc.DBAPIError
+    """
+    names = tuple(rows[0])
+    if len(rows) < MANY:
+        given = {f"{name}_{number}": row[name] for number, row in enumerate(rows) for name in names}
+        _insert(table, names, len(rows)).write(connection, [given])
+    elif connection.dialect.name == "postgresql":
+        _copy(connection, table, names, rows)
+    else:
+        _insert(table, names, 1).write(connection, [{f"{name}_0": row[name] for name in names} for row in rows])
+
+
+@lru_cache(maxsize=256)
+def _insert(table: Table, names: tuple[str, ...], count: int) -> Statement:
+    values: Any = [{name: bindparam(f"{name}_{number}") for name in names} for number in range(count)]
+    return Statement(insert(table).values(values).inline())
+
+
+def _copy(connection: Connection, table: Table, names: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> None:
+    driver: Any = connection.connection.driver_connection
+    text = f"COPY {table.name} ({', '.join(names)}) FROM STDIN"
+    try:
+        with driver.cursor() as cursor, cursor.copy(text) as copy:
+            for row in rows:
+                copy.write_row([row[name] for name in names])
+    except connection.dialect.loaded_dbapi.Error as error:
+        raise _of_sqlalchemy(connection, text, rows, error) from error
+
+
+def _of_sqlalchemy(connection: Connection, text: str, values: Any, error: Any) -> DBAPIError:
+    """Return what SQLAlchemy makes of an error of the driver."""
+    dialect = connection.dialect
+    dead = dialect.is_disconnect(error, connection.connection.driver_connection, None)
+    if dead:
+        connection.invalidate(error)
+    kind = dialect.loaded_dbapi.Error
+    made: DBAPIError = DBAPIError.instance(text, values, error, kind, connection_invalidated=dead)
+    return made
