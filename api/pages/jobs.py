@@ -85,34 +85,39 @@ def jobs_page(
     q: Annotated[str, Query(max_length=200)] = "",
     state: Annotated[str, Query(max_length=20, description="a state, active or ended")] = "",
     owner: Annotated[str, Query(max_length=80)] = "",
+    tag: Annotated[str, Query(max_length=40)] = "",
     sort: Annotated[str, Query(max_length=20)] = "created",
     order: Annotated[str, Query(max_length=20, description="ascending or descending")] = "",
 ) -> HTMLResponse:
     """List the jobs, newest first unless asked otherwise; what a filter does not know it leaves out."""
-    text = "".join(letter for letter in q.strip() if letter.isprintable())
+    text, whose, tagged = (
+        "".join(letter for letter in given.strip() if letter.isprintable()) for given in (q, owner, tag)
+    )
     states = GROUPS.get(state, (state,) if state in JOB_STATES else ())
-    whose = "".join(letter for letter in owner.strip() if letter.isprintable())
     key: SortKey = next((known for known in SORTS if known == sort), "created")
     ascending = {"ascending": True, "descending": False}.get(order)
-    filters = JobFilters(states, text or None, whose or None, key, ascending)
+    filters = JobFilters(states, text or None, whose or None, key, ascending, tagged or None)
     page = service.list(filters, limit=PAGE, cursor=cursor or None, trend=POINTS)
     chosen = {
         "q": text,
         "state": state if states else "",
         "owner": whose,
+        "tag": tagged,
         "sort": key,
         "order": order if ascending is not None else "",
     }
+    kept = {name: value for name, value in chosen.items() if value and (name, value) != ("sort", "created")}
     return render(
         request,
         "jobs",
         page=page,
         first=not cursor,
         chosen=chosen,
-        filtered=bool(text or states or whose),
+        filtered=bool(text or states or whose or tagged),
         total=service.count(filters),
         rising=filters.rising,
-        kept={name: value for name, value in chosen.items() if value and (name, value) != ("sort", "created")},
+        kept=kept,
+        without_tag={name: value for name, value in kept.items() if name != "tag"},
         states=[*GROUPS, *JOB_STATES],
         sorts=SORTS,
         sparkline=sparkline,

@@ -8,6 +8,8 @@ from typing import Any
 from fastapi import Request
 from fastapi.responses import HTMLResponse
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from markdown_it import MarkdownIt
+from markupsafe import Markup
 
 from geoswarm.api.access.authentication import Identity
 from geoswarm.api.assets import PLOTLY, Assets
@@ -35,6 +37,11 @@ def progress(job: Job) -> float | None:
     return min(job.evaluations / job.max_evaluations, 1.0) if job.max_evaluations else None
 
 
+def markdown(text: str) -> Markup:
+    """What people write, as HTML: no markup of theirs, no pictures, no headings."""
+    return Markup(MarkdownIt("commonmark", {"html": False}).disable(["image", "heading", "lheading"]).render(text))
+
+
 templates = Environment(
     loader=FileSystemLoader(Path(__file__).parents[1] / "templates"),
     autoescape=select_autoescape(),
@@ -42,7 +49,7 @@ templates = Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
-templates.filters.update(number=number, words=words)
+templates.filters.update(number=number, words=words, markdown=markdown)
 templates.globals.update(progress=progress)
 templates.globals.update(ended_states=ENDED_STATES, open_states=OPEN_STATES, evaluation_states=EVALUATION_STATES)
 

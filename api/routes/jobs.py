@@ -62,9 +62,10 @@ def list_jobs(
     state: Annotated[list[JobState] | None, Query(description="only jobs in one of these states")] = None,
     q: Annotated[
         str | None,
-        Query(max_length=200, pattern=PRINTABLE, description="text in name, model, method, owner or id"),
+        Query(max_length=200, pattern=PRINTABLE, description="text in name, model, method, owner, tags or id"),
     ] = None,
     owner: Annotated[str | None, Query(max_length=80, pattern=PRINTABLE, description="only jobs of this owner")] = None,
+    tag: Annotated[str | None, Query(max_length=40, pattern=PRINTABLE, description="only jobs with this tag")] = None,
     sort: Annotated[SortKey, Query(description="what to order by")] = "created",
     order: Annotated[
         Literal["ascending", "descending"] | None,
@@ -78,7 +79,7 @@ def list_jobs(
 ) -> JobPage:
     """List jobs, newest first by default; a cursor is valid only for the order that it was returned in."""
     ascending = None if order is None else order == "ascending"
-    filters = JobFilters(tuple(state or ()), q, owner, sort, ascending)
+    filters = JobFilters(tuple(state or ()), q, owner, sort, ascending, tag)
     page = service.list(filters, limit=limit, cursor=cursor, trend=trend)
     return JobPage(items=page.items, next_cursor=page.next_cursor)
 
@@ -91,8 +92,15 @@ def show(job_id: JobId, service: Service) -> Job:
 
 @router.patch("/{job_id}", responses=problems_of(404, 408, 409, 413, 422))
 def change(job_id: JobId, wanted: JobChange, service: Service) -> Job:
-    """Change the stop criteria of a job. A finished or cancelled one continues as if submitted with them."""
-    return service.change_stopping(job_id, wanted.stopping)
+    """Change the stop criteria, tags or note of a job.
+
+    A finished or cancelled job continues as if submitted with the stop criteria; tags and note change nothing else.
+    """
+    if wanted.stopping is not None:
+        service.change_stopping(job_id, wanted.stopping)
+    if wanted.tags is not None or wanted.note is not None:
+        service.label(job_id, wanted.tags, wanted.note)
+    return service.get(job_id)
 
 
 @router.get("/{job_id}/problem", responses=problems_of(404))

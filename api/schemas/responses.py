@@ -8,7 +8,15 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    SecretStr,
+    StringConstraints,
+    model_validator,
+)
 
 from geoswarm.records.evaluation import Attempt, Evaluation
 from geoswarm.records.job import Generation, Job
@@ -44,6 +52,10 @@ class Model(BaseModel):
     model_config = ConfigDict(from_attributes=True)
 
 
+Tag = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=40, pattern=r"^[^\x00-\x1f,]*$")]
+WRITTEN = r"^[^\x00-\x08\x0b\x0c\x0e-\x1f]*$"  # what a database takes, with tabs and ends of lines
+
+
 class JobPage(Model):
     """Jobs, newest first."""
 
@@ -62,7 +74,17 @@ class JobChange(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    stopping: Stopping = Field(description="the new stop criteria, instead of all previous ones")
+    stopping: Stopping | None = Field(None, description="the new stop criteria, instead of all previous ones")
+    tags: list[Tag] | None = Field(None, max_length=20, description="the new tags, instead of all previous ones")
+    note: Annotated[str, StringConstraints(max_length=10_000, pattern=WRITTEN)] | None = Field(
+        None, description="the new note, in Markdown, instead of the previous one"
+    )
+
+    @model_validator(mode="after")
+    def _something(self) -> JobChange:
+        if self.stopping is None and self.tags is None and self.note is None:
+            raise ValueError("nothing to change; give stopping, tags or note")
+        return self
 
 
 class EvaluationPage(Model):

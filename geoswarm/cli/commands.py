@@ -68,6 +68,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "cancel": CommandEntry("service.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
     "pause": CommandEntry("service.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("service.jobs", _JOBS, "Resume a paused job."),
+    "label": CommandEntry("service.jobs", _JOBS, "Give a job tags and a note, to find it again."),
     "export": CommandEntry("service.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."),
     "retry-failed": CommandEntry("service.failures", _JOBS, "Rerun the failed evaluations of a job."),
     "workers": CommandEntry("service.jobs", _JOBS, "List the workers of a service."),

@@ -13,8 +13,8 @@ FIELDS = {
     "id", "name", "state", "forward_model", "method", "stop_reasons", "objective", "parameters", "at_bounds",
     "intervals", "verdicts", "verdict_words", "fit", "shares", "search_best", "evaluations", "search_evaluations",
     "answer_evaluations", "generations", "failed_evaluations", "created_at", "started_at", "finished_at", "seconds",
-    "error", "seed", "free_parameters", "max_evaluations", "priority", "retrying", "owner", "last_event", "trend",
-    "versions", "warnings",
+    "error", "seed", "free_parameters", "max_evaluations", "priority", "retrying", "owner", "tags", "note",
+    "last_event", "trend", "versions", "warnings",
 }  # fmt: skip
 
 
@@ -205,3 +205,36 @@ def test_an_empty_idempotency_key_is_refused(app: App) -> None:
 def test_numbers_beyond_every_database_are_refused(app: App, query: str) -> None:
     job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
     assert app.get(f"{API}/jobs/{job}/{query}").status_code == 422
+
+
+def test_tags_and_note_are_replaced_and_found(app: App) -> None:
+    job = submit(app)
+    path = f"{API}/jobs/{job['id']}"
+    assert (job["tags"], job["note"]) == ([], "")
+    changed = app("PATCH", path, json={"tags": [" dam ", "B 2", "dam"], "note": "*Disturbed*\n"}).json()
+    assert (changed["tags"], changed["note"]) == (["B 2", "dam"], "*Disturbed*\n")
+    assert app("PATCH", path, json={"note": ""}).json()["tags"] == ["B 2", "dam"]
+    assert [one["id"] for one in app.get(f"{API}/jobs?tag=dam").json()["items"]] == [job["id"]]
+    assert app.get(f"{API}/jobs?tag=da").json()["items"] == []
+    both = app("PATCH", path, json={"tags": [], "stopping": {"max_evaluations": 90}}).json()
+    assert (both["tags"], both["max_evaluations"]) == ([], 90)
+
+
+@pytest.mark.parametrize(
+    ("given", "where"),
+    [
+        ({}, ""),
+        ({"tags": ["a,b"]}, "tags.0"),
+        ({"tags": ["  "]}, "tags.0"),
+        ({"tags": ["x" * 41]}, "tags.0"),
+        ({"tags": [str(n) for n in range(21)]}, "tags"),
+        ({"note": "a\0b"}, "note"),
+        ({"note": "x" * 10_001}, "note"),
+    ],
+)
+def test_tags_and_notes_that_cannot_be_kept_are_refused(app: App, given: dict[str, Any], where: str) -> None:
+    path = f"{API}/jobs/{submit(app)['id']}"
+    answer = app("PATCH", path, json=given)
+    assert answer.status_code == 422
+    assert where in str(answer.json()["issues"][0]["path"])
+    assert app.get(path).json()["tags"] == []

@@ -156,3 +156,31 @@ def test_the_form_shows_what_is_done_and_folds_its_yaml(embedded: Site, visit: V
     expect(page.locator("#verdict")).to_contain_text("Complete", timeout=SOON)
     expect(page.locator("#yaml")).to_be_hidden()
     check_accessibility(page)
+
+
+def test_a_job_is_found_by_its_tags_and_its_note_is_no_markup(embedded: Site, visit: Visit, job: str) -> None:
+    page, guard = visit(embedded, f"/jobs/{job}")
+    page.get_by_role("button", name="Tags and note").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_label("Tags").fill("dam, " + "x" * 50)
+    dialog.get_by_label("Note").fill(
+        "# Specimen B\n\nwas *disturbed* <b>here</b> [x](javascript:alert(1)) ![y](/z.png)"
+    )
+    guard.allow("422")
+    dialog.get_by_role("button", name="Save").click()
+    expect(dialog.get_by_role("alert")).to_contain_text("at most 40 characters")
+    dialog.get_by_label("Tags").fill("dam, second trial,")
+    dialog.get_by_role("button", name="Save").click()
+    note = page.get_by_role("region", name="Note")
+    expect(note).to_contain_text("# Specimen B")
+    assert note.locator("em").inner_text() == "disturbed"
+    assert note.locator("b, h1, img").count() == 0
+    assert note.locator("a").get_attribute("href") == "/z.png"  # no picture, and no script
+    check_accessibility(page, "main")
+    page.locator("#label").get_by_role("link", name="second trial").click()
+    expect(page.locator(f"tr[data-job='{job}']")).to_have_count(1)
+    expect(page.locator("#total")).to_have_text("1 job that matches")
+    check_accessibility(page)
+    page.get_by_role("link", name="Remove the filter by tag second trial").click()
+    expect(page.locator("#total")).not_to_contain_text("match")
+    embedded.service.label(job, tags=[], note="")

@@ -40,6 +40,18 @@ def listed(service: JobService, filters: JobFilters, limit: int = 1) -> list[str
             return names
 
 
+def test_jobs_are_found_by_their_tags(service: JobService, ids: dict[str, str]) -> None:
+    service.label(ids["Beta"], tags=["dam", "dam", "a_b"])
+    service.label(ids["Slope"], tags=["dam 2"], note="dam")
+    assert listed(service, JobFilters(tag="dam")) == ["Beta"]
+    assert listed(service, JobFilters(tag="a%b")) == []
+    assert sorted(listed(service, JobFilters(text="DAM"))) == ["Beta", "Slope"]
+    assert service.get(ids["Beta"]).tags == ["a_b", "dam"]
+    service.label(ids["Slope"], tags=[])
+    slope = service.get(ids["Slope"])
+    assert (slope.tags, slope.note) == ([], "dam")
+
+
 def test_text_is_found_in_names_and_owners_and_wildcards_are_letters(service: JobService, ids: dict[str, str]) -> None:
     assert listed(service, JobFilters(text="ALPHA")) == ["alpha_2", "alpha 100%"]
     assert listed(service, JobFilters(text="0%")) == ["alpha 100%"]

@@ -23,7 +23,7 @@ from sqlalchemy import (
 )
 
 from geoswarm.workers.errors import InvalidCursorError
-from geoswarm.workers.queries.jobs import VIEW_COLUMNS
+from geoswarm.workers.queries.jobs import VIEW_COLUMNS, as_lines
 from geoswarm.workers.queries.listing import decode_cursor, encode_cursor
 from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.store.clock import database_now
@@ -57,9 +57,11 @@ class JobFilters:
     states
         Only jobs in one of these; empty: in any.
     text
-        Only jobs with it in their name, forward model, method, owner, or at the beginning of their id.
+        Only jobs with it in their name, forward model, method, owner or tags, or at the beginning of their id.
     owner
         Only jobs of this one.
+    tag
+        Only jobs with this tag.
     sort, ascending
         Order; ``ascending`` None: newest, best or largest first, names from A to Z. What has no value comes last.
     """
@@ -69,6 +71,7 @@ class JobFilters:
     owner: str | None = None
     sort: SortKey = "created"
     ascending: bool | None = None
+    tag: str | None = None
 
     @property
     def rising(self) -> bool:
@@ -162,9 +165,11 @@ def _conditions(filters: JobFilters) -> list[ColumnElement[bool]]:
         conditions.append(jobs.c.state.in_(filters.states))
     if filters.owner is not None:
         conditions.append(jobs.c.owner == filters.owner)
+    if filters.tag:
+        conditions.append(jobs.c.tags.contains(as_lines([filters.tag]), autoescape=True))
     if filters.text:
         text = filters.text.lower()
-        columns = (jobs.c.name, jobs.c.forward_model, jobs.c.method, jobs.c.owner)
+        columns = (jobs.c.name, jobs.c.forward_model, jobs.c.method, jobs.c.owner, jobs.c.tags)
         found = [func.lower(column).contains(text, autoescape=True) for column in columns]
         conditions.append(or_(*found, jobs.c.id.startswith(text, autoescape=True)))
     return conditions

@@ -49,6 +49,7 @@ from geoswarm.workers.store.tables import evaluations, events, generations, jobs
 __all__ = [
     "LockedJob",
     "account_running_time",
+    "as_lines",
     "clocks_overdue",
     "current_generation",
     "delete_evaluations",
@@ -60,6 +61,7 @@ __all__ = [
     "get_problem",
     "get_progress",
     "insert_job",
+    "label_job",
     "list_events",
     "list_generations",
     "list_news",
@@ -69,12 +71,12 @@ __all__ = [
     "which_exist",
 ]
 
-# Everything but the problem document, which nothing but a worker's first look at the job needs.
-COLUMNS = [column for column in jobs.columns if column.name != "problem"]
+# What the engine needs; the problem document only at a worker's first look at the job.
+COLUMNS = [column for column in jobs.columns if column.name not in ("problem", "tags", "note")]
 JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids")
 LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).scalar_subquery().label("last_event")
-VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), LAST_EVENT]
+VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), jobs.c.tags, jobs.c.note, LAST_EVENT]
 
 
 def _locked(*columns: Any) -> Statement:
@@ -264,6 +266,18 @@ def _insert_generations(
             for record, created_at, finished_at in zip(records, begun, times, strict=True)
         ],
     )
+
+
+def label_job(connection: Connection, job_id: str, tags: Collection[str] | None, note: str | None) -> None:
+    """Replace the tags of a job, its note, or both; None leaves them."""
+    values = {} if tags is None else {"tags": as_lines(tags)}
+    values |= {} if note is None else {"note": note}
+    connection.execute(update(jobs).where(jobs.c.id == job_id).values(values))
+
+
+def as_lines(tags: Collection[str]) -> str:
+    """Tags as they are stored: sorted, each between two line ends."""
+    return "".join(f"\n{tag}" for tag in sorted(set(tags))) + "\n" * bool(tags)
 
 
 def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:

@@ -307,6 +307,16 @@ class JobService(JobRecords):
             self.waker.wake(job_id, kind=view.forward_model)
         return self.get(job_id)
 
+    def label(self, job_id: str, tags: Collection[str] | None = None, note: str | None = None) -> Job:
+        """Replace the tags of a job, its note, or both; None leaves them."""
+
+        def work(connection: Connection) -> Job:
+            self._row(connection, job_id)
+            jobs.label_job(connection, job_id, tags, note)
+            return self._get(connection, job_id)
+
+        return self.store.write(work)
+
     def retry_failed(self, job_id: str) -> tuple[Job, int]:
         """Run the failed evaluations of a paused or ended job again, and only them; return the job and their number.
 
@@ -332,7 +342,6 @@ class JobService(JobRecords):
         InvalidTransitionError
             When it has not ended.
         """
-
         self.get(job_id)
         delete_job(self.store, job_id)
 
@@ -364,10 +373,6 @@ class JobService(JobRecords):
         """Return ``database`` and ``broker``: ``ok``, ``embedded``, or why not; never raises, answers in 4 s."""
         return {"database": self._database.answer(), "broker": self._broker.answer()}
 
-    @property
-    def _gap(self) -> float:
-        return self.settings.lease_seconds
-
     def _row(self, connection: Connection, job_id: str) -> Any:
         row = jobs.get_job(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
         if row is None or not self.principal.sees(row.owner):
@@ -387,7 +392,7 @@ class JobService(JobRecords):
         return self._view(self._row(connection, job_id), self._runtime.shortage())
 
     def _view(self, row: Any, shortage: str | None) -> Job:
-        view = job_view(row, self._gap)
+        view = job_view(row, self.settings.lease_seconds)
         if shortage is None or view.state not in SERVED_STATES:
             return view
         return replace(view, warnings=[*view.warnings, f"waits: {shortage}"])

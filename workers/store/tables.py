@@ -120,6 +120,8 @@ jobs = Table(
     Column(
         "needs", Text
     ),  # what runs it: see geoswarm.workers.agents.prepared; null: not looked at since the last upgrade
+    Column("tags", Text, nullable=False, server_default=""),  # each between line ends, so that one is found whole
+    Column("note", Text, nullable=False, server_default=""),  # Markdown
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
     # what it takes of the disk: the job itself, and each evaluation, about [bytes]
     Column("document_bytes", BigInteger, nullable=False, server_default="0"),

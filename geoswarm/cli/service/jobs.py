@@ -59,21 +59,23 @@ def _age(moment: datetime) -> str:
 
 @click.command("list")
 @click.option("--state", type=click.Choice(JOB_STATES), help="Only jobs in this state.")
+@click.option("--tag", help="Only jobs with this tag.")
 @click.option("--limit", type=click.IntRange(1, 200), default=20, show_default=True, help="Number of jobs.")
 @click.option("--cursor", help="Where to continue: 'next_cursor' of the previous page.")
 @json_option
 @connection_options
 def list_command(
-    state: str | None, limit: int, cursor: str | None, as_json: bool, url: str, api_key: str | None
+    state: str | None, tag: str | None, limit: int, cursor: str | None, as_json: bool, url: str, api_key: str | None
 ) -> None:
     """List jobs, newest first."""
     with connect(url, api_key) as client:
-        page = client.list(state=state, limit=limit, cursor=cursor)
+        page = client.list(state=state, tag=tag, limit=limit, cursor=cursor)
     if as_json:
         echo_json({"items": [record_json(job) for job in page.items], "next_cursor": page.next_cursor})
         return
     if not page.items:
-        click.echo("No jobs." if state is None else f"No job is {state}.")
+        found = [f"is {state}"] * (state is not None) + [f"has the tag {tag!r}"] * (tag is not None)
+        click.echo(f"No job {' and '.join(found)}." if found else "No jobs.")
         return
     rows = [
         (j.id, j.name, j.state, _count(j), number(j.objective), duration(j.seconds), _age(j.created_at))
@@ -206,6 +208,10 @@ def show_job(
     }
     if diversity is not None:
         facts["diversity"] = f"{number(diversity, 2)} (1: all over the space, 0: at one point)"
+    if job.tags:
+        facts["tags"] = ", ".join(job.tags)
+    if job.note:
+        facts["note"] = job.note
     if job.versions is not None:
         facts["versions"] = ", ".join(f"{name} {number}" for name, number in job.versions.items())
     if job.warnings:
@@ -254,6 +260,34 @@ def _change(action: Literal["cancel", "pause", "resume"], words: str) -> click.C
 cancel_command = _change("cancel", "Cancel a job; its finished evaluations are kept.")
 pause_command = _change("pause", "Pause a job.")
 resume_command = _change("resume", "Resume a paused job.")
+
+
+@click.command("label")
+@job_argument
+@click.option("--tag", "tags", multiple=True, metavar="TAG", help="Tag, instead of all previous ones; may be repeated.")
+@click.option("--no-tags", is_flag=True, help="Remove all tags.")
+@click.option("--note", metavar="TEXT", help="Note in Markdown, instead of the previous one; '' removes it.")
+@json_option
+@connection_options
+def label_command(
+    job: str, tags: tuple[str, ...], no_tags: bool, note: str | None, as_json: bool, url: str, api_key: str | None
+) -> None:
+    """Give a job tags and a note, to find it again.
+
+    'geoswarm list --tag TAG' lists the jobs with a tag, for example those of one project.
+    """
+    if tags and no_tags:
+        raise click.UsageError("Give --tag or --no-tags, not both.")
+    if not tags and not no_tags and note is None:
+        raise click.UsageError("Nothing to change: give --tag, --no-tags or --note.")
+    with connect(url, api_key) as client:
+        wanted = list(tags) if tags or no_tags else None
+        changed = client.label(find_job(client, job).id, tags=wanted, note=note)
+    if as_json:
+        echo_json(record_json(changed))
+    else:
+        words = f"has the tags {', '.join(changed.tags)}" if changed.tags else "has no tags"
+        click.echo(f"{changed.id} ({changed.name}) {words}{' and a note' if changed.note else ''}")
 
 
 @click.command("workers")

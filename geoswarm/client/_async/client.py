@@ -57,6 +57,7 @@ class AsyncClient(AsyncConnection):
     pause = jobs.pause
     resume = jobs.resume
     change_stopping = jobs.change_stopping
+    label = jobs.label
     retry_failed = jobs.retry_failed
     delete = jobs.delete
 

@@ -58,6 +58,7 @@ class Client(Connection):
     pause = jobs.pause
     resume = jobs.resume
     change_stopping = jobs.change_stopping
+    label = jobs.label
     retry_failed = jobs.retry_failed
     delete = jobs.delete
 

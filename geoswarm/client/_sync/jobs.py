@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, Literal
 
 from geoswarm.client._sync.connection import Connection
@@ -31,6 +31,7 @@ __all__ = [
     "delete",
     "get",
     "iterate_jobs",
+    "label",
     "list_jobs",
     "pause",
     "problem",
@@ -62,6 +63,7 @@ def list_jobs(
     state: str | None = None,
     search: str | None = None,
     owner: str | None = None,
+    tag: str | None = None,
     sort: SortKey | None = None,
     order: Literal["ascending", "descending"] | None = None,
     trend: int | None = None,
@@ -72,8 +74,8 @@ def list_jobs(
 
     Parameters
     ----------
-    state, search, owner
-        Only jobs in this state, with this text in name, model, method or owner, of this owner.
+    state, search, owner, tag
+        Only jobs in this state, with this text in name, model, method, owner or tags, of this owner, with this tag.
     sort, order
         Newest, best or largest first, names from A to Z, unless ``order`` says otherwise.
     trend
@@ -85,7 +87,8 @@ def list_jobs(
     >>> page.items[0].state
     'finished'
     """
-    query = present(state=state, q=search, owner=owner, sort=sort, order=order, trend=trend, limit=limit, cursor=cursor)
+    query = present(state=state, q=search, owner=owner, tag=tag, sort=sort, order=order)
+    query |= present(trend=trend, limit=limit, cursor=cursor)
     return self._send(Call("GET", f"{API}/jobs", reader(Page[Job]), query))
 
 
@@ -183,6 +186,21 @@ def change_stopping(self: Connection, job_id: str, stopping: Mapping[str, Any]) 
     True
     """
     content = json.dumps({"stopping": dict(stopping)}, default=plain)
+    return self._send(Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content))
+
+
+def label(self: Connection, job_id: str, *, tags: Collection[str] | None = None, note: str | None = None) -> Job:
+    """Replace the tags of a job, its note (Markdown), or both. A project may be a tag, too.
+
+    Examples
+    --------
+    >>> labelled = client.label(job.id, tags=["dam", "second trial"], note="Specimen B was disturbed.")
+    >>> labelled.tags
+    ['dam', 'second trial']
+    >>> [one.id for one in (client.list(tag="dam")).items] == [job.id]
+    True
+    """
+    content = json.dumps(present(tags=None if tags is None else list(tags), note=note))
     return self._send(Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content))
 
 

@@ -77,6 +77,7 @@ CASES: dict[str, list[tuple[list[str], int, str | None]]] = {
     "submit": [(["problem.json", *URL], 2, None)],
     **{name: [(["latest", *URL], 2, None)] for name in ("watch", "show", "cancel", "pause", "resume", "retry-failed")},
     **{name: [([*URL], 2, None)] for name in ("list", "workers")},
+    "label": [(["latest", "--tag", "dam", *URL], 2, None), (["latest", *URL], 2, None)],
     "export": [(["latest", "--output", "x.parquet", *URL], 2, None), (["latest", *URL], 2, None)],
     "report": [(["run"], 2, "plots"), (["run", "--figures", "--posterior"], 2, "plots"), (["latest", *URL], 2, None)],
     "statistics": [(["run"], 0, None), (["run", "--accept", "fix:rate=1", "--output", "next.json"], 0, None)],

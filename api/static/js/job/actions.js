@@ -4,6 +4,7 @@ import { post, send } from "../http.js";
 import { leave } from "../pace.js";
 import { ENDED, OPEN } from "../states.js";
 import { extend } from "./extend.js";
+import { label } from "./label.js";
 
 export function actions(view) {
   const place = document.getElementById("actions");
@@ -37,6 +38,7 @@ export function actions(view) {
     if (failed && (state === "paused" || ENDED.has(state))) {
       list.push(button("Rerun failed evaluations", "quiet", () => post(`/jobs/${id}/retry-failed`), "The failed evaluations are rerun."));
     }
+    list.push(element("button", { type: "button", class: "quiet", onclick: () => label(view) }, "Tags and note …"));
     list.push(element("a", { class: "button quiet", href: `/new?from=${id}` }, "Clone"));
     if (OPEN.has(state)) {
       list.push(button("Cancel", "danger", () => post(`/jobs/${id}/cancel`), "", [`Cancel “${name}” now? Results so far are kept.`, "Cancel the job"]));
