@@ -69,8 +69,8 @@ class Directions:
         Active, and in no open combination, shape (d,).
     influences
         Length of each column over the longest, shape (d,).
-    derivative_error
-        Largest relative error of an active column.
+    derivative_errors
+        Relative error of each column, shape (d,).
     """
 
     combinations: tuple[Combination, ...]
@@ -78,7 +78,12 @@ class Directions:
     active: BoolArray
     determined: BoolArray
     influences: FloatArray
-    derivative_error: float
+    derivative_errors: FloatArray
+
+    @property
+    def derivative_error(self) -> float:
+        """Largest relative error of an active column."""
+        return float(self.derivative_errors[self.active].max(initial=0.0))
 
     @property
     def leverage(self) -> FloatArray:
@@ -111,7 +116,6 @@ def find_directions(names: tuple[str, ...], weighted: FloatArray, errors: FloatA
     floor = max(_INFLUENCE * longest, _ROUNDING * float(np.linalg.norm(values)))
     active = lengths > np.maximum(floor, 3.0 * uncertain)
     relative = uncertain / np.maximum(lengths, 1e-300)
-    derivative_error = float((uncertain[active] / lengths[active]).max(initial=0.0))
     index = np.flatnonzero(active)
     found: list[Combination] = []
     basis = np.empty((len(weighted), 0))
@@ -134,7 +138,7 @@ def find_directions(names: tuple[str, ...], weighted: FloatArray, errors: FloatA
         found.append(Combination(0.0, {names[i]: 1.0}, True, change, change <= floor))
     tied = {name for combination in found if combination.open for name in combination.components}
     determined = active & np.array([name not in tied for name in names])
-    return Directions(tuple(found), basis, active, determined, lengths / longest, derivative_error)
+    return Directions(tuple(found), basis, active, determined, lengths / longest, relative)
 
 
 def _components(names: list[str], direction: FloatArray, lengths: FloatArray, opened: bool) -> dict[str, float]:

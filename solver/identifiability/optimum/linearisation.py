@@ -13,7 +13,7 @@ from geoswarm.solver.identifiability.optimum.combinations import Combination
 from geoswarm.solver.identifiability.optimum.leaving_out import WithoutTests
 from geoswarm.solver.identifiability.residuals.dependence import ALLOWANCES, Dependence
 from geoswarm.solver.identifiability.residuals.lack_of_fit import FitVerdict
-from geoswarm.solver.words import per_cent
+from geoswarm.solver.words import listed, per_cent
 
 __all__ = ["BENDS", "CORRECTED", "IntervalBasis", "LinearModel", "Linearisation"]
 
@@ -31,6 +31,7 @@ CORRECTED = 0.2
 
 _FAR, _MISPLACED = 0.2, 1.0  # standard errors
 _WIDER = 1.05  # the least factor that is said
+_UNKNOWN, _ANY = 1.0 / 3.0, 1.0  # relative errors of a derivative: from 3 of them it is told from 0
 _BASES: dict[IntervalBasis, str] = {
     "linearised": "",
     "correlated": "widened by a factor of {:.2g} for correlated residuals",
@@ -111,7 +112,9 @@ class Linearisation:
     level
         Of the intervals.
     derivative_error
-        Largest estimated relative error of a derivative column.
+        Largest estimated relative error of a derivative column on which readings depend.
+    derivative_errors
+        That of each column, shape (d,).
     distance
         How far, in standard errors, a Gauss-Newton step inside the bounds would move each parameter, shape (d,); nan
         where there is no standard error. Far from 0, ``optimum`` is not the minimum yet: polish it first.
@@ -159,6 +162,7 @@ class Linearisation:
     unit_widths: FloatArray
     level: float
     derivative_error: float
+    derivative_errors: FloatArray
     distance: FloatArray
     profile_increase: FloatArray
     fit: FitVerdict
@@ -292,7 +296,13 @@ class Linearisation:
     def why_no_interval(self, name: str) -> str:
         """Say why a parameter has no interval."""
         if name in self.unclear:
-            return "its sensitivities are too uncertain to show how it acts; the forward model is rough there"
+            error = float(self.derivative_errors[self.names.index(name)])
+            if error >= _ANY:
+                return "its sensitivity is unknown, as the forward model is rough there"
+            others = [other for other in self.unclear if other != name]
+            left = f"tell it from {listed(others)}" if error < _UNKNOWN and others else "show how it acts"
+            rough = f"uncertain by {per_cent(error)} (the forward model is rough there)"
+            return f"its sensitivity is {rough}, too much to {left}"
         if name in self.without_influence:
             return "no measured value depends on it"
         tied = self.tied_to(name)
@@ -303,7 +313,7 @@ class Linearisation:
         if self.basis(name) == "profile":
             return "other values fit nearly as well up to both bounds, as the model is nonlinear"
         if self.unclear:
-            return f"the sensitivities to {' and '.join(self.unclear)} are too uncertain"
+            return f"the sensitivities to {listed(self.unclear)} are too uncertain"
         return "its interval would be wider than the searched range"
 
     def to_json(self) -> dict[str, Any]:

@@ -268,6 +268,7 @@ def _assemble(
         unit_widths=2.0 * spread.half,
         level=level,
         derivative_error=found.derivative_error,
+        derivative_errors=found.derivative_errors,
         distance=np.where(np.isfinite(spread.distance), 0.0, np.nan) if to_rounding else spread.distance,
         profile_increase=spread.profile_increase,
         fit=fit,

@@ -14,6 +14,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.solver.search.descent.steps import StepSearch
 from geoswarm.solver.search.space import SearchSpace
+from geoswarm.solver.words import per_cent
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
 
 T = np.linspace(0.0, 16.0, 81)
@@ -49,7 +50,7 @@ def test_a_frequency_that_bends_fast_has_the_standard_error_of_the_closed_form(u
     blind = linearised(vibration(400.0), [0.1, 6.0])
     assert blind.without_influence == ()
     assert "omega" in blind.unclear
-    assert "too uncertain" in blind.why_no_interval("omega")
+    assert "the forward model is rough there" in blind.why_no_interval("omega")
     assert np.isnan(blind.standard_errors).all()
 
 
@@ -59,7 +60,17 @@ def test_uncertain_sensitivities_leave_the_verdict_open() -> None:
     blind = linearised(problem, [0.1, 6.0])
     verdict = analyse(Calibration(problem, 1), samples, linearisation=blind).verdict("omega")
     assert verdict.kind == "undecided"
-    assert "too uncertain" in verdict.sentence
+    assert "rough there" in verdict.sentence
+
+
+@pytest.mark.parametrize(("roughness", "left"), [(0.02, "tell it from a"), (1.0, "show how it acts")])
+def test_roughness_is_said_with_its_size(roughness: float, left: str) -> None:
+    model = f"a * x + b * (x + 0.03 * x ** 2) + {roughness} * (sin(1e7 * a) + cos(1e7 * b)) * x"
+    problem = problem_of(model, {"a": free(), "b": free()}, 7.0 * X + 0.03 * X**2 + 0.1 * np.sin(7.0 * X))
+    found = linearised(problem, [6.0, 1.0])
+    why = found.why_no_interval("b")
+    error = per_cent(found.derivative_errors[1])
+    assert why == f"its sensitivity is uncertain by {error} (the forward model is rough there), too much to {left}"
 
 
 @pytest.mark.parametrize("phase", range(5))
