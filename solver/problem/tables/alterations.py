@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 from geoswarm.solver.problem.tables.unit_words import PARTS, SUMS
 
-__all__ = ["ALTERED", "Alteration", "alteration_in", "referred_apart"]
+__all__ = ["ALTERED", "Alteration", "alteration_in", "change_in", "is_switch", "referred_apart"]
 
 Alteration: TypeAlias = Literal["factor", "offset", "sign", "function", "increment", "sum", "absolute", "share"]
 
@@ -140,3 +140,63 @@ def referred_apart(heading: str) -> str:
     word = found["brackets"] or found["glued"] or found["apart"]
     plain = f"{heading[: found.start()]}{found[1]}{heading[found.end() :]}"
     return f"{plain} abs" if word[0] in "aA" else plain
+
+
+_GAUGE = (
+    r"(?:messuhr\w*|(?:weg|kraft|druck)?aufnehmer\w*|sensor\w*|(?:weg|mess)?geber\w*|messgerät\w*|wegtaster\w*|gauges?|dials?|lvdts?"
+    r"|transducers?|gerät\w*|instruments?|devices?|apparatus|capteurs?|comparateurs?|sonda|reloj\w*|czujnik\w*|givare\w*|mätur\w*)"
+)
+_EXCHANGED = (
+    r"(?:\w*(?:getausch|gewechsel|ersetzt|gesetzt|versetz|verschoben|gestellt|justier|bewegt)\w*|neu|replaced|changed|moved|adjusted|swapped"
+    r"|shifted|repositioned|bumped|knocked|remplac\w*|déplac\w*|chang[ée]\w*|cambi\w*|reempla\w*|movid\w*|wymien\w*|przestaw\w*"
+    r"|przesun\w*|bytt\w*|byt\w*|flytt\w*)"
+)
+_NEW = (
+    r"(?:neue[rsmn]?|new|replaced|changed|another|andere[rsmn]?|nouve\w+|nuev\w+|now\w+|ny[at]?|bytt?|wechsel|tausch|wymiana|zmiana"
+    r"|changement|cambio|umstellung|changing|change of)"
+)
+_RANGE = (
+    r"(?:(?:mess|anzeige)?bereich\w*|range|plage|gamme|rango|zakres\w*|(?:mät)?område\w*|einheit(?:en)?|units?|unités?|unidad(?:es)?"
+    r"|jednostk\w*|enhet(?:en|er)?|skala|skalierung|scale|scaling|échelle|escala|skal[aęi]|maßstab|gain|verstärkung|sensitivity"
+    r"|empfindlichkeit|faktor|factor|facteur|calibration|kalibrierung)"
+)
+_SWITCHED = (
+    r"(?:\w*(?:geschaltet|gewechselt|geändert|gestellt)|changed?|switched|chang[ée]e?s?|modifi\w*|cambi\w*|zmien\w*|zmian\w*|ändra\w*|bytt?"
+    r"|now|jetzt|[x×*:]\s*\d+)"
+)
+_ZEROED = (
+    r"re-?set\w*|re-?zero\w*|zeroe?d\w*|zeroing|(?:new|shifted?|changed?) (?:zero|origin|datum)"
+    r"|zero (?:again|shifted?|changed|reset|reading|offset|point)|(?:re)?set (?:back )?to (?:zero|0)(?![.,\d])"
+    r"|tar(?:ed|ing|iert\w*|ado|owan\w*)|genullt"
+    r"|null(?:ung|punkt\w*|abgleich\w*|gestellt|gesetzt|setzen|stellen|stellung|ablesung\w*|messung\w*)"
+    r"|(?:auf|zu) (?:null|0) (?:ge|zurück)\w+|(?:zurück|neu ?(?:ein)?|nach|um)gestellt|(?:zu)?rückgesetzt"
+    r"|rückstellung|neu (?:ein)?gestellt|neu (?:justiert|kalibriert|gestartet)|neustart\w*|neue[rs]? bezug\w*|offset"
+    r"|(?:re)?mise? (?:à|a) (?:zéro|0)|remis à (?:zéro|0)|réinitialis\w*|puest\w+ a (?:cero|0)|reinici\w*|\w*zerowa\w*"
+    r"|nollst\w+|nolla[dt]\w*|nollning\w*|omnoll\w*|återställ\w*|restart\w*|recalibrated|re-?gauged"
+)
+_BETWEEN = r"\W+(?:[\w.]+\W+){0,3}?"
+_CHANGE = re.compile(
+    rf"(?<![^\W\d_])(?:{_GAUGE}{_BETWEEN}{_EXCHANGED}|{_NEW}{_BETWEEN}(?:{_GAUGE}|{_RANGE})|{_RANGE}{_BETWEEN}{_SWITCHED}"
+    rf"|{_SWITCHED}{_BETWEEN}{_RANGE}|{_ZEROED})(?![^\W\d_])",
+    re.IGNORECASE,
+)
+_SWITCH = re.compile(
+    r"(?<![^\W\d_])(?:ab|von|from|since|seit|now|jetzt|nun|hier|here|below|following|\w*folgend\w*|umgestellt"
+    r"|umgeschaltet|\w*gewechselt|\w*wechsel|geändert|änderung|chang\w+|switch\w*|à partir|a partir|dès|désormais"
+    r"|maintenant|ahora|desde|od|odtąd|teraz|zmian\w*|zmienion\w*|från|härifrån|byt\w*|ändr\w*|onwards?|hereafter|danach|thereafter)(?![^\W\d_])",
+    re.IGNORECASE,
+)
+
+
+def change_in(text: str) -> bool:
+    """Whether a note says that the zero, the range or the gauge of readings changed.
+
+    >>> change_in("Gauge reset"), change_in("Messuhr neu gestellt"), change_in("Laststufe 2")
+    (True, True, False)
+    """
+    return _CHANGE.search(text) is not None
+
+
+def is_switch(text: str) -> bool:
+    """Whether a note says that something holds from a place on: ``ab hier``, ``from now on``."""
+    return _SWITCH.search(text) is not None
