@@ -32,7 +32,8 @@ _SCALED = (
     r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
     r"|halbiert|halved|verdoppelt|doubled|(?<![^\W\d_])(?:scaled?|skaliert)(?![^\W\d_])|ma(?:ß|ss)stab"
     r"|[(\[]\s*x\s?(?!1\W)\d|(?<![\w.,])(?!1\D)\d+(?:[.,]\d+)?\s?x\s*[)\]]|(?<![^\W\d_])(?:(?:dixi|centi|milli)[èe]mes?"
-    r"|(?:ti|hundr[ae]|tusen)dels?)(?![^\W\d_])|[^\W\d_]{3,}\s(?:d[ei]|of|van|von|av)\s\0"  # "centesimi di mm"
+    r"|(?:ti|hundr[ae]|tusen)dels?|(?:d[ée]ci|cent[ée]si|mil[ée]si)mas?|(?:setn|tysięczn|dziesiąt)\w*)(?![^\W\d_])"
+    r"|[^\W\d_]{3,}\s(?:d[ei]|of|van|von|av)\s\0"  # "centesimi di mm"
 )
 _OF_FULL_SCALE = r"\0[\])]?\s?(?:of )?(?:full[ -]?scale|fs(?!\w))"
 _SHARE = re.compile(_OF_FULL_SCALE, re.IGNORECASE)

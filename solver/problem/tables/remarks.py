@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,14 +19,14 @@ from geoswarm.solver.sentences import Sentence, setting
 
 __all__ = ["Beside", "factors_beside", "refuse_changes", "refuse_headings", "with_factors"]
 
-_OTHER_CHANNEL = re.compile(r"kraft|force|load ?cell|temperat", re.IGNORECASE)
+_OTHER_CHANNEL = re.compile(r"kraft|force|load ?(?:cell|ring)|proving|temperat", re.IGNORECASE)
 _WORD = re.compile(r"[^\W\d_]{3}")
 _LONGEST_LINE = 200
 _FIRST_FACTORS = 20
 _BEFORE_UNIT = re.compile(r"(?<!\w)(?:in|en|w|i)\s|[\[(]", re.IGNORECASE)
 _IN_OTHERS = re.compile(r"(?<!\w)(?:en|w|i)\s(?=\S{1,8}\W*$)")
 _OF_ALL = re.compile(
-    r"[\W\d]*(?:(?:alle[rns]?|all|(?:mess)?werte?|values?|readings?|data|daten|angaben|längen|lengths?|einheit(?:en)?|units?"
+    r"[\W\d]*(?:(?:alle[rns]?|all|(?:mess)?werte?|values?|readings?|data|daten|angaben|längen|lengths?|longueurs?|einheit(?:en)?|units?"
     r"|sind|are|in|unités?|unidad(?:es)?|jednostki?|enhet(?:er)?)[\W\d]*)*",
     re.IGNORECASE,
 )
@@ -33,7 +34,12 @@ _IN_FIRST = re.compile(r"\W*(?:in\s|[\[(])", re.IGNORECASE)
 _NOTE = re.compile(r"[^\W\d_]{2}|[×x*]\s?\d")
 _PLACED = re.compile(
     r"(?<![^\W\d_])(?:ab|von|nach|bei|seit|from|at|after|since|à partir|après|depuis|a partir|desde|después|od|po|från"
-    r"|efter|vid)(?![^\W\d_])\D{0,30}(?:\d|hier|here)",
+    r"|efter|vid)(?![^\W\d_])\D{0,30}(?:\d|hier|here)|^\W*(?:[*†‡#]+|\(?\w{1,2}\))\s*:?\s*(?=[^\W\d_])",
+    re.IGNORECASE,
+)
+_LISTED = re.compile(r"[,;|]\s*|\s-\s")
+_LIST_OF = re.compile(
+    r"^\W*(?:units?|einheit(?:en)?|unités?|unidad(?:es)?|jednostki?|enheter|columns?|spalten?|channels?|kanäle)\s*[:=]",
     re.IGNORECASE,
 )
 _UNIT_AT_END = re.compile(r"\s*(?:[µmc]m|m|[kM]Pa|inch|in|%)\s*\W?$")
@@ -92,10 +98,13 @@ def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[C
             else:
                 notes.append((text, False))
     named += [one for text, beside in notes if (one := _unit_beside(text, beside)) is not None]
-    for line, row in sheet.grid.items():
-        if line < sheet.header_line and not any(map(is_reading, row)):
-            title = _unit_beside(_joined(row), False)
-            named += [] if title is None else [replace(title, against=True)]
+    for row in (row for line, row in sheet.grid.items() if line < sheet.header_line):
+        if any(map(is_reading, row)):
+            named += _unit_of_channel(row)
+        else:
+            title = _unit_beside(text := _joined(row), False)
+            named += _units_listed(text) if title is None else [replace(title, against=True)]
+    named += [one for _, text in _comments(sheet) for one in _units_listed(text)]
     return named + _factor_columns(sheet.header, body)
 
 
@@ -112,16 +121,40 @@ def _comments(sheet: Sheet) -> Iterator[tuple[int, str]]:
 
 def _unit_beside(text: str, beside: bool) -> Beside | None:
     """The unit that a text names for a quantity, or for all; ``beside`` the readings it may say so in any words."""
-    if factor_in(text) or (_BEFORE_UNIT.search(text) is None and not _is_long_unit(text)):
-        return None
     text = _IN_OTHERS.sub("in ", text)
-    unit = best_unit(one for one in units_of(text) if one.certain or _is_long_unit(text))
-    if unit is None or _is_value(text, unit):
+    unit = best_unit(one for one in units_of(text) if one.certain or len(one.text) > 1)
+    if unit is None or factor_in(text) or _is_value(text, unit):
         return None
+    of_all = _OF_ALL.fullmatch(text.replace(unit.text, " ", 1)) is not None
     of = frozenset(quantities_of(unit.label))
-    if not of and not beside and _OF_ALL.fullmatch(text.replace(unit.text, " ", 1)) is None:
+    if not of_all and not (unit.certain and (of or beside) and _BEFORE_UNIT.search(text) is not None):
         return None
     return Beside(text, of, unit, against=not of)
+
+
+def _units_listed(text: str) -> list[Beside]:
+    """Units of a list, ``units: min, µm`` or ``t: min, s: µm``, which count against those of headings."""
+    found = []
+    for piece in _LISTED.split(_LIST_OF.sub("", text)):
+        unit = best_unit(one for one in units_of(piece) if one.certain or len(one.text) > 1)
+        if unit is None or factor_in(piece) or _is_value(piece, unit):
+            continue
+        of_all = _OF_ALL.fullmatch(piece.replace(unit.text, " ", 1)) is not None
+        named = unit.certain or re.search(rf"[:=]\s*{re.escape(unit.text)}\W*$", piece) is not None
+        if of_all or (named and quantities_of(unit.label)):
+            of = frozenset() if of_all else frozenset(quantities_of(unit.label))
+            found.append(Beside(text, of, unit, against=True))
+    return found
+
+
+def _unit_of_channel(row: Sequence[Cell]) -> list[Beside]:
+    """The unit of a quantity in a list of channels, ``1;Displacement;µm``."""
+    cells = [shown(cell) for cell in row if cell != ""]
+    for name, unit in itertools.pairwise(cells):
+        if _is_long_unit(unit) and (of := quantities_of(name)):
+            named = best_unit(units_of(f"{name} [{unit}]"))
+            return [] if named is None else [Beside(_joined(row), frozenset(of), named, against=True)]
+    return []
 
 
 def _is_long_unit(text: str) -> bool:
@@ -221,6 +254,9 @@ def _changing_note(
     comments = list(_comments(sheet))
     between = [one for one in comments if first < one[0] <= last]
     for line, row in sheet.grid.items():
+        texts = [cell for cell in row if isinstance(cell, str) and cell.rstrip(": ").isalpha()] if line in used else []
+        if (label := next(filter(is_column_of_factors, texts), None)) is not None:  # "Faktor;1;0,01"
+            return Note(line, label)
         words = [
             str(cell)
             for place, cell in enumerate(row)
@@ -243,13 +279,17 @@ def _changing_note(
         return found_between
     elsewhere = [one for one in comments if not first < one[0] <= last]
     elsewhere += [(line, _joined(row)) for line, row in sheet.grid.items() if line > last or line < sheet.header_line]
-    return next(
-        (Note(*one) for one in elsewhere if _PLACED.search(one[1]) and _changes(one[1], known, beside=True)), None
-    )
+    placed = (one for one in elsewhere if _PLACED.search(one[1]) is not None)
+    return next((Note(*one) for one in placed if _changes(one[1], known, beside=True, certain=True)), None)
 
 
-def _changes(text: str, known: Collection[tuple[str | None, str | None]], *, beside: bool) -> bool:
-    """Whether a text may change units; ``beside`` a row of readings it may speak of something else."""
+def _changes(
+    text: str, known: Collection[tuple[str | None, str | None]], *, beside: bool, certain: bool = False
+) -> bool:
+    """Whether a text may change units; ``beside`` a row of readings it may speak of something else.
+
+    ``certain``: a unit behind ``in`` or in brackets counts in any words that are not those of the specimen.
+    """
     switch = is_switch(text)
     if change_in(text) or (factor_in(text) is not None and (switch or not beside)):
         return True
@@ -257,17 +297,13 @@ def _changes(text: str, known: Collection[tuple[str | None, str | None]], *, bes
     text = _IN_OTHERS.sub("in ", text)
     for one in units_of(text):
         plain = one.certain or len(one.text) > 1 or _BEFORE_UNIT.search(text) is not None
-        if (
-            one.unit is None
-            or not plain
-            or (one.base == "day" and not one.certain and not switch)
-            or _is_value(text, one)
-        ):
+        a_day = one.base == "day" and not one.certain and not switch  # "Day 2"
+        if one.unit is None or not plain or a_day or _is_value(text, one) or not {one.base, None} & bases:
             continue
-        same = (one.unit, one.base) in known
-        if one.base not in bases and None not in bases:
-            continue
-        if switch or (not same and (not beside or _IN_FIRST.match(text) is not None)):
+        other = (one.unit, one.base) not in known
+        alone = not beside or _IN_FIRST.match(text) is not None
+        named = certain and one.certain and not {"height", "specimen"} & {*quantities_of(one.label)}
+        if (switch and not certain) or (other and (alone or named)):
             return True
     return False
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 from geoswarm.solver.errors import ProblemError
-from geoswarm.solver.problem import measured_points
+from geoswarm.solver.problem import TableError, measured_points
 from geoswarm.solver.problem.tables.columns import Columns, table_of
 from geoswarm.solver.problem.tables.numerals import sentinels_in
+from geoswarm.solver.problem.tables.quantities import quantities_of
 from tests.solver.problem.test_laboratory_files import sheet_rows
 from tests.solver.problem.test_measurements import workbook
 from tests.solver.problem.test_units_beside_headings import metres
@@ -92,7 +95,7 @@ def test_other_notes_are_passed_over(note: str, place: str) -> None:
 def test_a_note_above_the_rows_of_a_stage_counts_for_them() -> None:
     text = f"Stufe;{HEAD}\n1;1;0,1\n1;2;0,2\nab hier in 1/100 mm;;\n1;3;0,3\n2;1;40\n2;2;50\n"
     columns = {"x": "Zeit", "where": {"Stufe": 2.0}}
-    with pytest.raises(Exception, match=CHANGES):
+    with pytest.raises(TableError, match=CHANGES):
         table_of(text.encode(), "a", Columns(y="Setzung", **columns))
 
 
@@ -208,3 +211,104 @@ def test_an_observation_says_what_stands_for_no_reading() -> None:
 def test_a_first_row_with_a_remark_is_no_row_of_units() -> None:
     """``1;0,1;in mm`` became the units of the headings, and its reading was lost."""
     assert metres(f"{HEAD};Bem.\n1;0,1;in mm\n2;0,2;\n3;0,3;\n") == [0.0001, 0.0002, 0.0003]
+
+
+ROWS = "1;0,1\n2;0,2\n4;0,4\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"Hinweis: Setzungen mit 100 multipliziert;\n{HEAD}\n{ROWS}",
+        f"Dial constant = 0.002 mm/div\n{HEAD}\n{ROWS}",
+        f"Gerätekonstante: 0,002\n{HEAD}\n{ROWS}",
+        f"Constante del anillo: 0,01 mm/div\n{HEAD}\n{ROWS}",
+        f"{HEAD} 1)\n{ROWS}1) values are tenths\n",
+        f"Facteur d'échelle : 0,01\n{HEAD}\n{ROWS}",
+        f"Mnożnik: 0,01\n{HEAD}\n{ROWS}",
+        f"Skalfaktor: 0,01\n{HEAD}\n{ROWS}",
+        f"1 działka = 0,01 mm\n{HEAD}\n{ROWS}",
+        f"Exponent;0;-2\n{HEAD}\n{ROWS}",
+        f"{HEAD};Nr\nmin;mm;-\n1;0,01;Faktor\n1;0,1;1\n2;0,2;2\n",
+        f"Zeit [min];Setzung (mm) milésimas\n{ROWS}",
+        f"Zeit [min];Setzung [mm] w setnych\n{ROWS}",
+        f"Zero;0;12,3\n{HEAD}\n{ROWS}",
+        f"{HEAD};\n1;0,1;\n2;0,2;\n4;3;*\n8;4;*\n*: Messuhr zurückgestellt\n",
+        f"{HEAD};\n1;0,1;\n2;0,2;\n4;3;a)\n8;4;a)\na) neue Messuhr\n",
+        f"{HEAD}\n{ROWS}readings after 2 min were taken in inches\n",
+        f"Unités : µm\n{HEAD}\n{ROWS}",
+        f"Channel;Name;Unit\n1;Setzung;µm\n2;Kraft;N\n\n{HEAD}\n{ROWS}",
+        f"# s = settlement, µm\n{HEAD}\n{ROWS}",
+        f"# columns: t (min), s (µm)\n{HEAD}\n{ROWS}",
+        f"# units: min, um\n{HEAD}\n{ROWS}",
+        f"# t: min\n# s: um\n{HEAD}\n{ROWS}",
+        f"t: min\ns: um\n{HEAD}\n{ROWS}",
+        f"Zeit [min];Setzung_mm_per_m\n{ROWS}",
+    ],
+)
+def test_further_places_of_units_scales_and_zeros_are_asked_for(text: str) -> None:
+    """Each was read as the heading says."""
+    found = metres(text, "B:B")
+    assert isinstance(found, str)
+    said = (CHANGES, "has a factor", "may have an offset", "several units", "may be in mm/m")
+    assert any(words in found for words in said)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "Höhe: 20 mm; Durchmesser: 71,4 mm",
+        "# height in cm, settlement in mm",
+        "Load ring constant (kN/div): 0.0025",
+        "Ablesegenauigkeit 0,01 mm",
+        "Entnahmetiefe ab 4,5 m",
+        "# units: min, mm",
+        "1;Kraft;kN",
+        "Height;2;cm",
+        "Probe bei 20 °C gelagert, Wassergehalt in %",
+    ],
+)
+def test_lines_about_other_quantities_are_passed_over(line: str) -> None:
+    assert metres(f"{line}\n{HEAD}\n{ROWS}") == [0.0001, 0.0002, 0.0004]
+
+
+@pytest.mark.parametrize(
+    ("heading", "meant"),
+    [
+        ("Obciążenie σ'", "axial_stress"),
+        ("Osiadanie Δh", "settlement"),
+        ("Wskaźnik porowatości e", "void_ratio"),
+        ("Wysokość próbki", "height"),
+        ("Tassement", "settlement"),
+        ("Contrainte verticale", "axial_stress"),
+        ("Déformation axiale", "axial_strain"),
+        ("Temps", "time"),
+        ("Asentamiento", "settlement"),
+        ("Hinchamiento", "heave"),
+        ("Esfuerzo desviador", "q"),
+        ("Sättning", "settlement"),
+        ("Tid", "time"),
+    ],
+)
+def test_words_of_other_languages_are_understood(heading: str, meant: str) -> None:
+    assert quantities_of(heading)[0] == meant
+
+
+def test_a_polish_oedometer_that_begins_with_no_load_is_read_with_one_question() -> None:
+    """Void ratios were proposed as loads, and the file was refused for its first row."""
+    table = (
+        "Laboratorium Geotechniki;;\nWysokość początkowa h0 [mm];20,00;\n"
+        "Obciążenie σ' [kPa];Osiadanie Δh [mm];Wskaźnik porowatości e [-]\n"
+        "0;0,000;0,812\n12,5;0,045;0,808\n25;0,102;0,803\n"
+    ).encode()
+    model = (
+        '{"kind": "oedometer", "material": "soft_soil", "height": 0.02, "initial_stress": 5, '
+        '"stages": [{"stress": 12.5, "duration": 1}, {"stress": 25, "duration": 1}]}'
+    )
+    with pytest.raises(ProblemError) as refused:
+        measured_points('{"series": "stage_settlement"}', table, "edo.csv", model)
+    lines = ("x_column: Obciążenie σ' [kPa]", "y_column: Osiadanie Δh [mm]", "x_from: 1")
+    assert all(line in str(refused.value) for line in lines)
+    answer = {"series": "stage_settlement", **dict(line.split(": ") for line in lines[:2]), "x_from": 1}
+    points, units = measured_points(json.dumps(answer), table, "edo.csv", model)
+    assert (points.x[-2:], points.y[-2:], units["y_unit"]) == ([1.0, 2.0], [0.045, 0.102], "mm")
