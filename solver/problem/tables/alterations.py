@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable
 from typing import Literal, TypeAlias
@@ -37,15 +38,14 @@ _SCALED = (
 )
 _OF_FULL_SCALE = r"\0[\])]?\s?(?:of )?(?:full[ -]?scale|fs(?!\w))"
 _SHARE = re.compile(_OF_FULL_SCALE, re.IGNORECASE)
-_ALTERED = re.compile(
+_ALTERED = (
     rf"(?:{_SCALED}|{SUMS}|{_OF_FULL_SCALE}"
     r"|[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln|exp)"
-    r"(?![^\W\d_])|\0[\])}]?\s(?:per|pro|je|par)\s|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
-    re.IGNORECASE,
+    r"(?![^\W\d_])|\0[\])}]?\s(?:per|pro|je|par)\s|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*"
 )
 """What makes numbers another quantity than the unit beside it says: ``√t [min]``, ``q x 10 [kPa]``; \\0 is the unit."""
-_ONLY_SCALED = re.compile(rf"(?:{_SCALED})[^\s\0\[\](){{}}<>]*", re.IGNORECASE)
-_SCALED_OR_SUM = re.compile(rf"{_ONLY_SCALED.pattern}|{SUMS}", re.IGNORECASE)
+_ONLY_SCALED = rf"(?:{_SCALED})[^\s\0\[\](){{}}<>]*"
+_SCALED_OR_SUM = rf"{_ONLY_SCALED}|{SUMS}"
 _SYMBOL = r"[∆Δδ]?[^\W\d_]{1,5}(?:_\w{1,4}|[\d₀-₉]{1,2})?['’′]?"
 _MULTIPLE = re.compile(rf"(?:=\s*|^)(?:\d{{1,6}}(?:[.,]\d+)?|\d/\d)(?:\s?({_SYMBOL})|\([^()]*[-+−–][^()]*\))$")
 """All of a heading: ``10q``, ``0.5 s``, ``1/2 q``, ``0.5(s1-s3)``."""
@@ -79,6 +79,12 @@ _SHARE_INSIDE = re.compile(
 )
 
 
+@functools.cache
+def _compiled(pattern: str) -> re.Pattern[str]:
+    """A long pattern, which processes that read no files never compile."""
+    return re.compile(pattern, re.IGNORECASE)
+
+
 def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bool]) -> tuple[Alteration | None, str]:
     """What makes the numbers another quantity, and its text; None where nothing does.
 
@@ -93,7 +99,7 @@ def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bo
     """
     rest = _MEAN.sub("", rest)
     sized = bool(bases - {None, "dimensionless"})
-    if (altered := (_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
+    if (altered := _compiled(_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
         return _kind(altered), altered[0].strip(" \0[]()")
     name = " ".join(re.sub(r"[\[({<|]?\0[\])}>|]?|\[.*?\]", " ", rest).split()).rstrip(",;:/")
     sign = _SIGN.search(re.sub(r"[()]", " ", name).strip())
@@ -125,7 +131,7 @@ def _kind(altered: re.Match[str]) -> Alteration:
         return "share"
     if re.match(rf"\s?\+|{SUMS}", altered[0]):
         return "sum"
-    return "factor" if _ONLY_SCALED.match(altered[0]) else "function"
+    return "factor" if _compiled(_ONLY_SCALED).match(altered[0]) else "function"
 
 
 def referred_apart(heading: str) -> str:
@@ -176,16 +182,14 @@ _ZEROED = (
     r"|nollst\w+|nolla[dt]\w*|nollning\w*|omnoll\w*|återställ\w*|restart\w*|recalibrated|re-?gauged"
 )
 _BETWEEN = r"\W+(?:[\w.]+\W+){0,3}?"
-_CHANGE = re.compile(
+_CHANGE = (
     rf"(?<![^\W\d_])(?:{_GAUGE}{_BETWEEN}{_EXCHANGED}|{_NEW}{_BETWEEN}(?:{_GAUGE}|{_RANGE})|{_RANGE}{_BETWEEN}{_SWITCHED}"
-    rf"|{_SWITCHED}{_BETWEEN}{_RANGE}|{_ZEROED})(?![^\W\d_])",
-    re.IGNORECASE,
+    rf"|{_SWITCHED}{_BETWEEN}{_RANGE}|{_ZEROED})(?![^\W\d_])"
 )
-_SWITCH = re.compile(
+_SWITCH = (
     r"(?<![^\W\d_])(?:ab|von|from|since|seit|now|jetzt|nun|hier|here|below|following|\w*folgend\w*|umgestellt"
     r"|umgeschaltet|\w*gewechselt|\w*wechsel|geändert|änderung|chang\w+|switch\w*|à partir|a partir|dès|désormais"
-    r"|maintenant|ahora|desde|od|odtąd|teraz|zmian\w*|zmienion\w*|från|härifrån|byt\w*|ändr\w*|onwards?|hereafter|danach|thereafter)(?![^\W\d_])",
-    re.IGNORECASE,
+    r"|maintenant|ahora|desde|od|odtąd|teraz|zmian\w*|zmienion\w*|från|härifrån|byt\w*|ändr\w*|onwards?|hereafter|danach|thereafter)(?![^\W\d_])"
 )
 
 
@@ -195,9 +199,9 @@ def change_in(text: str) -> bool:
     >>> change_in("Gauge reset"), change_in("Messuhr neu gestellt"), change_in("Laststufe 2")
     (True, True, False)
     """
-    return _CHANGE.search(text) is not None
+    return _compiled(_CHANGE).search(text) is not None
 
 
 def is_switch(text: str) -> bool:
     """Whether a note says that something holds from a place on: ``ab hier``, ``from now on``."""
-    return _SWITCH.search(text) is not None
+    return _compiled(_SWITCH).search(text) is not None

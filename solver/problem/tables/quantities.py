@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable
 
@@ -158,7 +159,7 @@ def _plain(label: str) -> str:
 
 
 _FACTOR = r"(?:10\s?(?:\^|\*\*)?\s?[-−]\s?\d|1\s?[/:]\s?10+|\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|[.,]\d+)"
-_SCALED_LINE = re.compile(
+_SCALED_LINE = (
     r"(?:(?<![^\W\d_])(?<!safety )(?<!shape )(?<!form )(?<!gauge )(?<!time )(?:(?:umrechnungs|skalierungs|mess(?:wert)?"
     r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling|skal)[- ]?)?(?:fa[ck]t(?:o|eu)r(?:s|en|es)?"
     r"|mnożnik|współczynnik|coefficiente?|coeficiente)"
@@ -175,10 +176,14 @@ _SCALED_LINE = re.compile(
     rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+(?:(?:in|sind|are)\s+(1\s?/\s?10+|0?[.,]0*1|{PARTS})\s*\W?$"
     rf"|(?:sind |are )?(?:[×*·/]|(?:x|mal|times|durch)(?![^\W\d_]))\s*({_FACTOR}))"
     rf"|^\W*(?:kalibrier|eich|calibration)[^\W\d]*\W+({_FACTOR})\s*$"
-    rf"|^\W*1\s*(?:div|digit|count|tick|sk(?:t|alen)|(?:teil)?strich|działk|divisi|delstreck|graduation)[^\W\d_]*\.?\s*[=≙:]\s*({_FACTOR})\s*[^\W\d]",
-    re.IGNORECASE,
+    rf"|^\W*1\s*(?:div|digit|count|tick|sk(?:t|alen)|(?:teil)?strich|działk|divisi|delstreck|graduation)[^\W\d_]*\.?\s*[=≙:]\s*({_FACTOR})\s*[^\W\d]"
 )
 """A line that scales the numbers of a table: ``Faktor: 0,01``, ``multiply by 0.01``, ``Werte x 0,01``."""
+
+
+@functools.cache
+def _scaled_line() -> re.Pattern[str]:
+    return re.compile(_SCALED_LINE, re.IGNORECASE)
 
 
 def factor_in(line: str) -> str | None:
@@ -187,7 +192,7 @@ def factor_in(line: str) -> str | None:
     >>> factor_in("Skalierung (Setzung): 1/100"), factor_in("scale factor 1.0")
     ('1/100', None)
     """
-    found = _SCALED_LINE.search(line)
+    found = _scaled_line().search(line)
     if found is None:
         return None
     rest = line[found.end() :]
