@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import re
 from collections.abc import Callable, Collection, Container, Iterable, Iterator, Mapping, Sequence
@@ -23,6 +24,7 @@ _OTHER_CHANNEL = re.compile(r"kraft|force|load ?(?:cell|ring)|proving|temperat",
 _WORD = re.compile(r"[^\W\d_]{3}")
 _LONGEST_LINE = 200
 _FIRST_FACTORS = 20
+_FEW_WORDS = 6
 _BEFORE_UNIT = re.compile(r"(?<!\w)(?:in|en|w|i)\s|[\[(]", re.IGNORECASE)
 _IN_OTHERS = re.compile(r"(?<!\w)(?:en|w|i)\s(?=\S{1,8}\W*$)")
 _OF_ALL = re.compile(
@@ -97,7 +99,7 @@ def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[C
                 named.append(Beside(f"line {line}: {text}", frozenset()))
             else:
                 notes.append((text, False))
-    named += [one for text, beside in notes if (one := _unit_beside(text, beside)) is not None]
+    named += [one for text, beside in dict.fromkeys(notes) if (one := _unit_beside(text, beside)) is not None]
     for row in (row for line, row in sheet.grid.items() if line < sheet.header_line):
         if any(map(is_reading, row)):
             named += _unit_of_channel(row)
@@ -121,6 +123,8 @@ def _comments(sheet: Sheet) -> Iterator[tuple[int, str]]:
 
 def _unit_beside(text: str, beside: bool) -> Beside | None:
     """The unit that a text names for a quantity, or for all; ``beside`` the readings it may say so in any words."""
+    if _NOTE.search(text) is None or (_BEFORE_UNIT.search(text) is None and len(text.split()) > _FEW_WORDS):
+        return None
     text = _IN_OTHERS.sub("in ", text)
     unit = best_unit(one for one in units_of(text) if one.certain or len(one.text) > 1)
     if unit is None or factor_in(text) or _is_value(text, unit):
@@ -247,7 +251,7 @@ def _changing_note(
     """
     if not used or not sheet.rows:
         return None
-    first, last, known = sheet.rows[0][0] if from_first else min(used), max(used), set(units)
+    first, last, known = sheet.rows[0][0] if from_first else min(used), max(used), frozenset(units)
     first_row = sheet.grid.get(sheet.rows[0][0], [])
     constant = {(place, cell) for place, cell in enumerate(first_row) if isinstance(cell, str)}
     headings = {key(name) for name in sheet.header}
@@ -283,8 +287,9 @@ def _changing_note(
     return next((Note(*one) for one in placed if _changes(one[1], known, beside=True, certain=True)), None)
 
 
+@functools.lru_cache(maxsize=4096)
 def _changes(
-    text: str, known: Collection[tuple[str | None, str | None]], *, beside: bool, certain: bool = False
+    text: str, known: frozenset[tuple[str | None, str | None]], *, beside: bool, certain: bool = False
 ) -> bool:
     """Whether a text may change units; ``beside`` a row of readings it may speak of something else.
 
