@@ -177,7 +177,8 @@ _ZEROED = (
     r"|tar(?:ed|ing|iert\w*|ado|owan\w*)|genullt"
     r"|null(?:ung|punkt\w*|abgleich\w*|gestellt|gesetzt|setzen|stellen|stellung|ablesung\w*|messung\w*)"
     r"|(?:auf|zu) (?:null|0) (?:ge|zurück)\w+|(?:zurück|neu ?(?:ein)?|nach|um)gestellt|(?:zu)?rückgesetzt"
-    r"|rückstellung|neu (?:ein)?gestellt|neu (?:justiert|kalibriert|gestartet)|neustart\w*|neue[rs]? bezug\w*|offset"
+    r"|rückstellung|neu (?:ein)?gestellt|neu (?:justiert|kalibriert|gestartet)|neustart\w*|neue[rs]? bezug\w*"
+    r"|(?:new|gauge|zero|neuer?|anderer?) offset|offset (?:now|set|changed|reset|geändert|neu)"
     r"|(?:re)?mise? (?:à|a) (?:zéro|0)|remis à (?:zéro|0)|réinitialis\w*|puest\w+ a (?:cero|0)|reinici\w*|\w*zerowa\w*"
     r"|nollst\w+|nolla[dt]\w*|nollning\w*|omnoll\w*|återställ\w*|restart\w*|recalibrated|re-?gauged"
 )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from geoswarm.solver.problem.tables.alterations import Alteration, change_in, is_switch
 from geoswarm.solver.problem.tables.blocks import is_heading, is_reading, is_unit_column, key, shown, unit_of_cell
 from geoswarm.solver.problem.tables.cells import Sheet, number_in
-from geoswarm.solver.problem.tables.headings import Heading, Named, best_unit, guess_unit, known_unit, units_of
+from geoswarm.solver.problem.tables.headings import BASES, Heading, Named, best_unit, guess_unit, known_unit, units_of
 from geoswarm.solver.problem.tables.packed import Cell, column_letters
 from geoswarm.solver.problem.tables.picking import Picked
 from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, offset_in, quantities_of
@@ -299,11 +299,12 @@ def _changes(
     if change_in(text) or (factor_in(text) is not None and (switch or not beside)):
         return True
     bases = {base for _, base in known}
+    bases = {*BASES} if None in bases else bases
     text = _IN_OTHERS.sub("in ", text)
     for one in units_of(text):
         plain = one.certain or len(one.text) > 1 or _BEFORE_UNIT.search(text) is not None
         a_day = one.base == "day" and not one.certain and not switch  # "Day 2"
-        if one.unit is None or not plain or a_day or _is_value(text, one) or not {one.base, None} & bases:
+        if one.unit is None or not plain or a_day or _is_value(text, one) or one.base not in bases:
             continue
         other = (one.unit, one.base) not in known
         alone = not beside or _IN_FIRST.match(text) is not None
