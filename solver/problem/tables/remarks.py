@@ -302,7 +302,7 @@ def _changes(
     bases = {*BASES} if None in bases else bases
     text = _IN_OTHERS.sub("in ", text)
     for one in units_of(text):
-        plain = one.certain or len(one.text) > 1 or _BEFORE_UNIT.search(text) is not None
+        plain = one.certain or len(one.text.rstrip(".")) > 1 or _BEFORE_UNIT.search(text) is not None
         a_day = one.base == "day" and not one.certain and not switch  # "Day 2"
         if one.unit is None or not plain or a_day or _is_value(text, one) or one.base not in bases:
             continue

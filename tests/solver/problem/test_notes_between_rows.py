@@ -85,7 +85,7 @@ def test_a_note_beside_a_reading_is_asked_for(note: str) -> None:
         "Temp. in °C",
         "zero lateral strain",
         "unit weight measured",
-        "estimated from scarps to N and S",
+        "S. Meier: estimated from scarps to N and S",
         "5cm minimum based on crack edge offset",
         "Setzung [mm]",
     ],
