@@ -168,8 +168,8 @@ the keys below, a row has
   (isotropic_compression), `q`, `p`, `volumetric_strain`, `pore_pressure`, `void_ratio`, `stress_ratio`,
   `radial_strain`, `axial_stress` or `radial_stress` over the axial strain (triaxial). With `_unit`, `_factor`,
   `_error`, `_weight` or `_distance` behind the name: `q_error: 2`, `q_distance: orthogonal`;
-- of the keys of an observation: `decimal_sign`, `incomplete_rows`, `where`, `sort`, `repeated_x`, `resample`,
-  `y_zero`, `gross_error_column`, `x_factor`, `loss` and `loss_scale`, and of shearing `x_from` and `x_to`.
+- of the keys of an observation: `decimal_sign`, `incomplete_rows`, `no_reading`, `where`, `sort`, `repeated_x`,
+  `resample`, `y_zero`, `gross_error_column`, `x_factor`, `loss` and `loss_scale`, and of shearing `x_from` and `x_to`.
 """
 
 INDEX_PROPERTIES = """

@@ -45,6 +45,7 @@ _TAKEN_IN = {
     "y_factor",
     "decimal_sign",
     "incomplete_rows",
+    "no_reading",
     "sheet",
     "where",
 }

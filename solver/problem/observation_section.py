@@ -78,6 +78,7 @@ _OF_A_FILE = (
     "blocks",
     "decimal_sign",
     "incomplete_rows",
+    "no_reading",
 )
 
 
@@ -151,6 +152,12 @@ class ObservationSection(Section):
     )
     incomplete_rows: Literal["leave_out"] | None = Field(
         None, description="leave out rows that lack one of the required numbers; otherwise they are errors"
+    )
+    no_reading: list[float] | None = Field(
+        None,
+        max_length=10,
+        description="numbers that the file has for missing readings, [-999]: rows with them are left out; [] where "
+        "such numbers are readings; asked for if absent",
     )
     x_unit: str | None = Field(
         None,

@@ -292,6 +292,9 @@ def columns_of(section: ObservationSection) -> Columns:
         section.gross_error_column,
         section.decimal_sign,
         section.incomplete_rows,
+        no_reading=None if section.no_reading is None else tuple(section.no_reading),
+        gross=tuple(section.gross_errors),
+        units=(section.x_unit, section.y_unit),
     )
 
 

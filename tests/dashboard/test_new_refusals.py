@@ -77,3 +77,18 @@ def test_numbers_of_stages_that_come_again_are_no_x(embedded: Site, visit: Visit
     expect(mapping.get_by_label("Series").locator("option:checked")).to_contain_text("cell_50.q: ")
     expect(mapping.get_by_label("Column of y", exact=True).locator("option:checked")).to_have_text("q_kPa")
     expect(mapping.get_by_label("Column of x", exact=True).locator("option:checked")).to_have_text("AxialStrain_pct")
+
+
+@pytest.mark.slow
+def test_a_number_for_no_reading_is_asked_for(embedded: Site, visit: Visit) -> None:
+    """-999 was a reading."""
+    page, guard = visit(embedded, "/new?example=oedometer")
+    guard.allow("422")
+    mapping = drop(page, "Zeit [min];Setzung [mm]\n1;0,25\n2;-999\n4;0,75\n")
+    expect(mapping.get_by_role("alert")).to_contain_text("-999 is far from the other numbers")
+    expect(mapping.get_by_role("alert")).not_to_contain_text("no_reading")
+    mapping.get_by_label("Numbers that stand for no reading").select_option(label="-999")
+    expect(mapping.get_by_role("status")).to_contain_text("2 readings.")
+    mapping.get_by_label("Numbers that stand for no reading").select_option(label="none: these are readings")
+    expect(mapping.get_by_role("status")).to_contain_text("3 readings.")
+    check_accessibility(page, ".mapping")

@@ -19,10 +19,10 @@
 ``packed``        the parts of a packed workbook (XLSX, ODS): unpacked no further than is safe, without document types
 ``picking``       which cells of a sheet a column of measurements is: by heading, by letter (B:B), by range (B5:B30) or
                   by name
-``plain_tables``  the quick way to read a large CSV file that holds nothing but numbers below its headings
 ``quantities``    what a column holds, from the words of its heading, German or English, as laboratories write them
 ``reading``       the text of tables: comma, semicolon, tab or blanks between cells, ``#`` comments, decimal comma or
                   point
+``remarks``       what a file says beside its readings: factors, offsets and units, and notes between the rows
 ``unit_words``    the words for units that laboratories write, German and English
 ``workbooks``     reads the cells of a spreadsheet (XLSX, ODS): values as they are stored, no formulas are calculated
 ================  ======================================================================================================

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable
 from typing import Literal, TypeAlias
 
 from geoswarm.solver.problem.tables.unit_words import PARTS, SUMS
 
-__all__ = ["ALTERED", "Alteration", "alteration_in", "referred_apart"]
+__all__ = ["ALTERED", "Alteration", "alteration_in", "change_in", "is_switch", "referred_apart"]
 
 Alteration: TypeAlias = Literal["factor", "offset", "sign", "function", "increment", "sum", "absolute", "share"]
 
@@ -32,19 +33,19 @@ _SCALED = (
     r"|(?:\d+\s?-?|zehn|hundert|tausend)fach(?![^\W\d])|(?:\d+\s?-?|ten|hundred)fold|überhöht|exaggerated"
     r"|halbiert|halved|verdoppelt|doubled|(?<![^\W\d_])(?:scaled?|skaliert)(?![^\W\d_])|ma(?:ß|ss)stab"
     r"|[(\[]\s*x\s?(?!1\W)\d|(?<![\w.,])(?!1\D)\d+(?:[.,]\d+)?\s?x\s*[)\]]|(?<![^\W\d_])(?:(?:dixi|centi|milli)[èe]mes?"
-    r"|(?:ti|hundr[ae]|tusen)dels?)(?![^\W\d_])|[^\W\d_]{3,}\s(?:d[ei]|of|van|von|av)\s\0"  # "centesimi di mm"
+    r"|(?:ti|hundr[ae]|tusen)dels?|(?:d[ée]ci|cent[ée]si|mil[ée]si)mas?|(?:setn|tysięczn|dziesiąt)\w*)(?![^\W\d_])"
+    r"|[^\W\d_]{3,}\s(?:d[ei]|of|van|von|av)\s\0"  # "centesimi di mm"
 )
 _OF_FULL_SCALE = r"\0[\])]?\s?(?:of )?(?:full[ -]?scale|fs(?!\w))"
 _SHARE = re.compile(_OF_FULL_SCALE, re.IGNORECASE)
-_ALTERED = re.compile(
+_ALTERED = (
     rf"(?:{_SCALED}|{SUMS}|{_OF_FULL_SCALE}"
     r"|[√∛]|(?<![^\W\d_])(?:sqrt|(?:quadrat)?wurzel|(?:square ?)?root|log(?:arithm\w*)?|lg|ln|exp)"
-    r"(?![^\W\d_])|\0[\])}]?\s(?:per|pro|je|par)\s|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*",
-    re.IGNORECASE,
+    r"(?![^\W\d_])|\0[\])}]?\s(?:per|pro|je|par)\s|^1\s*/\s*(?=[^\W\d])|(?<=[^\W\d])[²³]|(?<=\))[²³]|\^|e\d\s*\0|(?<!\w)hh?:)[^\s\0\[\](){}<>]*"
 )
 """What makes numbers another quantity than the unit beside it says: ``√t [min]``, ``q x 10 [kPa]``; \\0 is the unit."""
-_ONLY_SCALED = re.compile(rf"(?:{_SCALED})[^\s\0\[\](){{}}<>]*", re.IGNORECASE)
-_SCALED_OR_SUM = re.compile(rf"{_ONLY_SCALED.pattern}|{SUMS}", re.IGNORECASE)
+_ONLY_SCALED = rf"(?:{_SCALED})[^\s\0\[\](){{}}<>]*"
+_SCALED_OR_SUM = rf"{_ONLY_SCALED}|{SUMS}"
 _SYMBOL = r"[∆Δδ]?[^\W\d_]{1,5}(?:_\w{1,4}|[\d₀-₉]{1,2})?['’′]?"
 _MULTIPLE = re.compile(rf"(?:=\s*|^)(?:\d{{1,6}}(?:[.,]\d+)?|\d/\d)(?:\s?({_SYMBOL})|\([^()]*[-+−–][^()]*\))$")
 """All of a heading: ``10q``, ``0.5 s``, ``1/2 q``, ``0.5(s1-s3)``."""
@@ -78,6 +79,12 @@ _SHARE_INSIDE = re.compile(
 )
 
 
+@functools.cache
+def _compiled(pattern: str) -> re.Pattern[str]:
+    """A long pattern, which processes that read no files never compile."""
+    return re.compile(pattern, re.IGNORECASE)
+
+
 def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bool]) -> tuple[Alteration | None, str]:
     """What makes the numbers another quantity, and its text; None where nothing does.
 
@@ -92,7 +99,7 @@ def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bo
     """
     rest = _MEAN.sub("", rest)
     sized = bool(bases - {None, "dimensionless"})
-    if (altered := (_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
+    if (altered := _compiled(_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
         return _kind(altered), altered[0].strip(" \0[]()")
     name = " ".join(re.sub(r"[\[({<|]?\0[\])}>|]?|\[.*?\]", " ", rest).split()).rstrip(",;:/")
     sign = _SIGN.search(re.sub(r"[()]", " ", name).strip())
@@ -124,7 +131,7 @@ def _kind(altered: re.Match[str]) -> Alteration:
         return "share"
     if re.match(rf"\s?\+|{SUMS}", altered[0]):
         return "sum"
-    return "factor" if _ONLY_SCALED.match(altered[0]) else "function"
+    return "factor" if _compiled(_ONLY_SCALED).match(altered[0]) else "function"
 
 
 def referred_apart(heading: str) -> str:
@@ -140,3 +147,62 @@ def referred_apart(heading: str) -> str:
     word = found["brackets"] or found["glued"] or found["apart"]
     plain = f"{heading[: found.start()]}{found[1]}{heading[found.end() :]}"
     return f"{plain} abs" if word[0] in "aA" else plain
+
+
+_GAUGE = (
+    r"(?:messuhr\w*|(?:weg|kraft|druck)?aufnehmer\w*|sensor\w*|(?:weg|mess)?geber\w*|messgerät\w*|wegtaster\w*|gauges?|dials?|lvdts?"
+    r"|transducers?|gerät\w*|instruments?|devices?|apparatus|capteurs?|comparateurs?|sonda|reloj\w*|czujnik\w*|givare\w*|mätur\w*)"
+)
+_EXCHANGED = (
+    r"(?:\w*(?:getausch|gewechsel|ersetzt|gesetzt|versetz|verschoben|gestellt|justier|bewegt)\w*|neu|replaced|changed|moved|adjusted|swapped"
+    r"|shifted|repositioned|bumped|knocked|remplac\w*|déplac\w*|chang[ée]\w*|cambi\w*|reempla\w*|movid\w*|wymien\w*|przestaw\w*"
+    r"|przesun\w*|bytt\w*|byt\w*|flytt\w*)"
+)
+_NEW = (
+    r"(?:neue[rsmn]?|new|replaced|changed|another|andere[rsmn]?|nouve\w+|nuev\w+|now\w+|ny[at]?|bytt?|wechsel|tausch|wymiana|zmiana"
+    r"|changement|cambio|umstellung|changing|change of)"
+)
+_RANGE = (
+    r"(?:(?:mess|anzeige)?bereich\w*|range|plage|gamme|rango|zakres\w*|(?:mät)?område\w*|einheit(?:en)?|units?|unités?|unidad(?:es)?"
+    r"|jednostk\w*|enhet(?:en|er)?|skala|skalierung|scale|scaling|échelle|escala|skal[aęi]|maßstab|gain|verstärkung|sensitivity"
+    r"|empfindlichkeit|faktor|factor|facteur|calibration|kalibrierung)"
+)
+_SWITCHED = (
+    r"(?:\w*(?:geschaltet|gewechselt|geändert|gestellt)|changed?|switched|chang[ée]e?s?|modifi\w*|cambi\w*|zmien\w*|zmian\w*|ändra\w*|bytt?"
+    r"|now|jetzt|[x×*:]\s*\d+)"
+)
+_ZEROED = (
+    r"re-?set\w*|re-?zero\w*|zeroe?d\w*|zeroing|(?:new|shifted?|changed?) (?:zero|origin|datum)"
+    r"|zero (?:again|shifted?|changed|reset|reading|offset|point)|(?:re)?set (?:back )?to (?:zero|0)(?![.,\d])"
+    r"|tar(?:ed|ing|iert\w*|ado|owan\w*)|genullt"
+    r"|null(?:ung|punkt\w*|abgleich\w*|gestellt|gesetzt|setzen|stellen|stellung|ablesung\w*|messung\w*)"
+    r"|(?:auf|zu) (?:null|0) (?:ge|zurück)\w+|(?:zurück|neu ?(?:ein)?|nach|um)gestellt|(?:zu)?rückgesetzt"
+    r"|rückstellung|neu (?:ein)?gestellt|neu (?:justiert|kalibriert|gestartet)|neustart\w*|neue[rs]? bezug\w*"
+    r"|(?:new|gauge|zero|neuer?|anderer?) offset|offset (?:now|set|changed|reset|geändert|neu)"
+    r"|(?:re)?mise? (?:à|a) (?:zéro|0)|remis à (?:zéro|0)|réinitialis\w*|puest\w+ a (?:cero|0)|reinici\w*|\w*zerowa\w*"
+    r"|nollst\w+|nolla[dt]\w*|nollning\w*|omnoll\w*|återställ\w*|restart\w*|recalibrated|re-?gauged"
+)
+_BETWEEN = r"\W+(?:[\w.]+\W+){0,3}?"
+_CHANGE = (
+    rf"(?<![^\W\d_])(?:{_GAUGE}{_BETWEEN}{_EXCHANGED}|{_NEW}{_BETWEEN}(?:{_GAUGE}|{_RANGE})|{_RANGE}{_BETWEEN}{_SWITCHED}"
+    rf"|{_SWITCHED}{_BETWEEN}{_RANGE}|{_ZEROED})(?![^\W\d_])"
+)
+_SWITCH = (
+    r"(?<![^\W\d_])(?:ab|von|from|since|seit|now|jetzt|nun|hier|here|below|following|\w*folgend\w*|umgestellt"
+    r"|umgeschaltet|\w*gewechselt|\w*wechsel|geändert|änderung|chang\w+|switch\w*|à partir|a partir|dès|désormais"
+    r"|maintenant|ahora|desde|od|odtąd|teraz|zmian\w*|zmienion\w*|från|härifrån|byt\w*|ändr\w*|onwards?|hereafter|danach|thereafter)(?![^\W\d_])"
+)
+
+
+def change_in(text: str) -> bool:
+    """Whether a note says that the zero, the range or the gauge of readings changed.
+
+    >>> change_in("Gauge reset"), change_in("Messuhr neu gestellt"), change_in("Laststufe 2")
+    (True, True, False)
+    """
+    return _compiled(_CHANGE).search(text) is not None
+
+
+def is_switch(text: str) -> bool:
+    """Whether a note says that something holds from a place on: ``ab hier``, ``from now on``."""
+    return _compiled(_SWITCH).search(text) is not None

@@ -31,6 +31,7 @@ __all__ = [
     "Block",
     "Rows",
     "begin",
+    "has_unit",
     "is_heading",
     "is_reading",
     "is_unit_column",
@@ -49,6 +50,9 @@ _MOST_SPARSE = 20
 _NO_UNITS = "-–—1"
 _JOINING = ("in", "/", "-", "–", ":", "|", "=")
 _MOST_HEADINGS = 4
+_NUMBER_FIRST = re.compile(
+    r"[+−-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?\s*(?=[^\s\d.,])|[+−-]?\d+(?:[.,]\d+)?\s+(?=\S)"
+)
 _LONGEST_SYMBOL = 5
 _LONG_ENOUGH = 3
 _MOST_TITLES = 20
@@ -95,6 +99,14 @@ def is_reading(cell: Cell) -> bool:
         or time_of_day(cell) is not None
         or number_with_unit(cell) is not None
     )
+
+
+def has_unit(cell: Cell) -> bool:
+    """Whether a cell is a number with a unit, or with that of an instrument: ``5 µm``, ``40 div``."""
+    if not isinstance(cell, str) or (found := _NUMBER_FIRST.match(cell)) is None:
+        return False
+    unit = cell[found.end() :].strip(" []()")
+    return unit[:1] not in "*×·" and is_unit(unit)
 
 
 def is_heading(cell: Cell) -> bool:
@@ -169,7 +181,10 @@ def _suits(letter: str, name: str) -> bool:
 def _is_units(row: Sequence[Cell], *, letters: bool = False) -> bool:
     """Whether a row holds units: no reading, and one in brackets or of several letters, or all are units."""
     units = [(cell, unit_of_cell(cell)) for cell in row if cell != ""]
-    if any(unit is None and is_reading(cell) for cell, unit in units):
+    if any(
+        is_reading(cell) and (unit is None or (cell != "1" and cell_number(str(cell)) is not None))
+        for cell, unit in units
+    ):
         return False
     sure = (
         unit for cell, unit in units if unit is not None and (cell != unit or not (unit[0].isdigit() or unit in "-–—"))

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
+import io
 import math
 import re
-from collections.abc import Callable, Container, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TypeAlias
 
-from geoswarm.solver.problem.tables.alterations import Alteration
+import numpy as np
+
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.problem.tables.blocks import SAMPLE, Block, begin, is_reading, shown, unit_of_cell, with_units
-from geoswarm.solver.problem.tables.headings import (
-    Heading,
-    Named,
-    best_unit,
-    guess_unit,
-    known_unit,
-    number_with_unit,
-    units_of,
-)
+from geoswarm.solver.problem.tables.headings import known_unit, number_with_unit
 from geoswarm.solver.problem.tables.packed import Cell
-from geoswarm.solver.problem.tables.quantities import factor_in, is_column_of_factors, offset_in, quantities_of
 from geoswarm.solver.problem.tables.reading import (
     BLANKS,
     MAX_TABLE_BYTES,
@@ -44,37 +38,21 @@ _SUMMARY = re.compile(
     re.IGNORECASE,
 )
 _PEST = re.compile(r"\s*(?:(pcf)(?:\s+version\b.*)?|(?:pif|[pj]tf)\s+[^\w\s])\s*$", re.IGNORECASE | re.MULTILINE)
-_OTHER_CHANNEL = re.compile(r"kraft|force|load ?cell|temperat", re.IGNORECASE)
 _WORD = re.compile(r"[^\W\d_]{3}")
 _SOME_ROWS = 3
 _MANY_ROWS = 50
 _TITLES = 10
-_LONGEST_LINE = 200
-_FIRST_FACTORS = 20
-_BEFORE_UNIT = re.compile(r"(?<!\w)in\s|[\[(]", re.IGNORECASE)
-_UNIT_AT_END = re.compile(r"\s*(?:[µmc]m|m|[kM]Pa|inch|in|%)\s*\W?$")
+_WORTH_IT = 2**17
+_PLAIN_BODY = re.compile(rb"[0-9eE+\-., \r\n]*")
 
 __all__ = [
     "Area",
-    "Beside",
     "Sheet",
-    "factors_beside",
     "number_in",
+    "plain_numbers",
     "read_cells",
-    "with_factors",
     "without_units",
 ]
-
-
-@dataclass(frozen=True, slots=True)
-class Beside:
-    """A line or column that names a factor, an offset or a ``unit`` of quantities; of all where ``of`` is empty."""
-
-    text: str
-    of: frozenset[str]
-    unit: Named | None = None
-    alters: Alteration = "factor"
-
 
 Area: TypeAlias = tuple[int, int, int, int | None]
 """Cells: places of the first and the last column from 0, lines of the first and the last row, None to the end."""
@@ -89,7 +67,7 @@ class Sheet:
     sheets, sheet
         Names of a workbook's sheets and of the one that was read; empty and None for CSV.
     comments
-        Lines that begin with ``#``.
+        Lines that begin with ``#``; the others are empty.
     header
         Headings; empty where the first row has numbers only.
     rows
@@ -160,7 +138,7 @@ def read_cells(
         raise TableError(f"{what}; geoswarm import pest {case} --output DIR makes a problem of it and its files")
     if sheet is not None:
         raise TableError(f"{name} is not a workbook, so it has no sheet '{sheet}'")
-    comments = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
+    comments = "\n".join(line if line.lstrip().startswith("#") else "" for line in text.splitlines()).rstrip("\n")
     lines = table_lines(text, name)
     separator, block = _separated(lines, name, wanted)
     rows = [(line, list[Cell](cells)) for line, cells in _rows(lines, name, separator)]
@@ -345,76 +323,23 @@ def number_in(cell: Cell) -> float | None:
     return cell_number(cell)
 
 
-def factors_beside(sheet: Sheet, used: Container[int], body: Iterable[Sequence[Cell]]) -> list[Beside]:
-    """Columns of factors, and lines outside the table, comments too, that name one, or the unit of a quantity.
+def plain_numbers(content: bytes) -> tuple[Sheet, FloatArray] | None:
+    """Read headings, with the first row as a sample, and all numbers, shape (rows, columns).
 
-    ``used`` are the lines of the readings, ``body`` is their rows.
+    None for what is small, is no such file, or has a mistake: then the reader that names lines is asked.
     """
-    first = sheet.rows[0][0] if sheet.rows else sheet.header_line + 1
-    lines = [("comment", line.strip().lstrip("# \t")[:_LONGEST_LINE]) for line in sheet.comments.splitlines()]
-    lines += [
-        (f"line {line}", " ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE])
-        for line, row in sheet.grid.items()
-        if line not in used and not sheet.header_line <= line < first
-    ]
-    remarks = _remarks(sheet)
-    lines += [("remark", text) for text in remarks]
-    found: tuple[tuple[Alteration, Callable[[str], str | None]], ...] = ("factor", factor_in), ("offset", offset_in)
-    named = [
-        Beside(f"{where}: {text}", _meant(text), None, alters)
-        for where, text in lines
-        for alters, named_in in found
-        if named_in(text)
-    ]
-    notes = [*(text for where, text in lines if where == "comment"), *remarks]
-    for line, row in sheet.grid.items():
-        if line > first and line not in used:
-            notes.append(" ".join(shown(cell) for cell in row if cell != "")[:_LONGEST_LINE])
-            if (text := notes[-1]) and _UNIT_AT_END.search(text) and factor_in(_UNIT_AT_END.sub("", text)):
-                named.append(Beside(f"line {line}: {text}", frozenset()))
-    for text in filter(_BEFORE_UNIT.search, notes):
-        unit = best_unit(one for one in units_of(text) if one.certain)
-        if unit is not None and (of := frozenset(quantities_of(unit.label))):
-            named.append(Beside(text, of, unit))
-    return named + _factor_columns(sheet.header, body)
-
-
-def _meant(text: str) -> frozenset[str]:
-    """The quantities that a line names; ``force`` stands for the other channels of a machine."""
-    return frozenset(quantities_of(text) or (["force"] if _OTHER_CHANNEL.search(text) else []))
-
-
-def _remarks(sheet: Sheet) -> list[str]:
-    """Texts beside the first readings, and headings without any."""
-    rows = [row for _, row in sheet.rows[:_FIRST_FACTORS]]
-    filled = {place for row in rows for place, cell in enumerate(row) if cell != ""}
-    texts = [cell for row in rows for cell in row if isinstance(cell, str) and not is_reading(cell)]
-    texts += [name for place, name in enumerate(sheet.header) if place not in filled]
-    return [text[:_LONGEST_LINE] for text in dict.fromkeys(texts) if _WORD.search(text) is not None]
-
-
-def _factor_columns(header: Sequence[str], body: Iterable[Sequence[Cell]]) -> list[Beside]:
-    """Columns of factors other than 1, with their first values, and the quantities that they name."""
-    places = [place for place, name in enumerate(header) if is_column_of_factors(name)]
-    found = []
-    rows = list(body) if places else []
-    for place in places:
-        values = [value for row in rows if place < len(row) and (value := number_in(row[place])) is not None]
-        if any(value != 1.0 for value in values):
-            first = ", ".join(f"{value:g}" for value in dict.fromkeys(values[:_FIRST_FACTORS]))
-            found.append(Beside(f"column {header[place]}: {first}", frozenset(quantities_of(header[place]))))
-    return found
-
-
-def with_factors(heading: Heading, lines: Iterable[Beside]) -> Heading:
-    """A heading with the factors and units that lines name for its quantity; factors for none are not of times."""
-    meant = frozenset(quantities_of(guess_unit(heading.name)[0]))
-    if heading.dates or heading.in_cells:
-        return heading
-    time = "time" in meant or any(one.base == "day" for one in heading.named)
-    further = [
-        one.unit or Named(None, None, True, one.text, heading.name, alters=one.alters)
-        for one in lines
-        if one.of & meant or not (time or one.unit or (one.of and meant))
-    ]
-    return replace(heading, named=(*heading.named, *further))
+    if not _WORTH_IT < len(content) <= MAX_TABLE_BYTES:
+        return None
+    first, newline, body = content.partition(b"\n")
+    heading = first.removeprefix(b"\xef\xbb\xbf").strip()
+    if not newline or any(sign in heading for sign in b';\t"#') or _PLAIN_BODY.fullmatch(body) is None:
+        return None
+    try:
+        header = [cell.strip() for cell in heading.decode("ascii").split(",")]
+        numbers = np.loadtxt(io.BytesIO(body), delimiter=",", ndmin=2)
+    except ValueError:  # not ASCII, an empty cell, rows of several lengths
+        return None
+    if numbers.shape[1] != len(header) or not np.isfinite(numbers).all() or _PLAIN_BODY.fullmatch(heading) is not None:
+        return None
+    sample: list[Cell] = [float(number) for number in numbers[0]]
+    return Sheet((), None, "", 1, header, [(2, sample)], {}), numbers

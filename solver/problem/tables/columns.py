@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from operator import itemgetter
 from typing import Literal, TypeVar
 
-from geoswarm.solver.problem.tables.blocks import is_heading, is_reading
-from geoswarm.solver.problem.tables.cells import (
-    Sheet,
-    factors_beside,
-    number_in,
-    read_cells,
-    with_factors,
-    without_units,
-)
+from geoswarm.solver.problem.tables.blocks import has_unit
+from geoswarm.solver.problem.tables.cells import Sheet, number_in, plain_numbers, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import (
     DATES_ACCEPTED,
     ELAPSED,
@@ -30,7 +23,14 @@ from geoswarm.solver.problem.tables.dates import (
     time_of_day,
 )
 from geoswarm.solver.problem.tables.headings import Heading, heading_of, units_in_comments
-from geoswarm.solver.problem.tables.numerals import DecimalSign, doubtful_cell, is_mark, number_of, two_readings
+from geoswarm.solver.problem.tables.numerals import (
+    DecimalSign,
+    is_mark,
+    no_reading_doubt,
+    number_of,
+    refuse_thousands,
+    sentinels_in,
+)
 from geoswarm.solver.problem.tables.packed import FORMULA, Cell
 from geoswarm.solver.problem.tables.picking import (
     Picked,
@@ -45,8 +45,8 @@ from geoswarm.solver.problem.tables.picking import (
     sheet_of_names,
     text_of,
 )
-from geoswarm.solver.problem.tables.plain_tables import plain_numbers
 from geoswarm.solver.problem.tables.reading import DoubtError, TableError
+from geoswarm.solver.problem.tables.remarks import factors_beside, refuse_changes, refuse_headings, with_factors
 from geoswarm.solver.sentences import Sentence, setting
 
 __all__ = ["Columns", "Table", "table_of"]
@@ -83,6 +83,12 @@ class Columns:
         The sign before decimals, where it is not plain; the other one may then stand between thousands.
     incomplete
         What becomes of rows that lack one of the numbers: refused, or ``leave_out``.
+    no_reading
+        Numbers that stand for no reading; None: nobody said so, and what looks like one is asked for.
+    gross
+        Numbers of the readings, from 1, that are gross errors.
+    units
+        Of x and y, as far as they are given: notes between the rows may name others.
     """
 
     x: str | None = None
@@ -99,6 +105,9 @@ class Columns:
     decimal: DecimalSign | None = None
     incomplete: Literal["leave_out"] | None = None
     turn: tuple[int, int] | None = None
+    no_reading: tuple[float, ...] | None = None
+    gross: tuple[int, ...] = ()
+    units: tuple[str | None, str | None] = (None, None)
 
     def wanted(self) -> dict[str, str]:
         """Columns by what they are for."""
@@ -178,6 +187,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
         raise _no_dates(name, reader.columns["x"])
     else:
         values = {role: quick[1][:, one.place].tolist() for role, one in reader.columns.items()}
+        reader.ask_for_sentinels(values, [i for i in range(len(body)) if i + 1 not in columns.gross])
         found = Table(values["x"], values["y"], values.get("weight"), inputs=_of_inputs(values))
     comments, factors = units_in_comments(sheet.comments), factors_beside(sheet, reader.used(), body)
     headings = {
@@ -196,6 +206,7 @@ def table_of(content: bytes, name: str, columns: Columns = Columns(), read: Call
     }
     if "y_minus" in headings:
         refuse_other_unit(name, headings["y"], headings["y_minus"])
+    refuse_changes(name, sheet, reader.columns, reader.used(), [headings["x"], headings["y"]], columns.units)
     return replace(
         found,
         x_heading=replace(headings["x"], first=tuple(found.x[:_FIRST])),
@@ -212,6 +223,7 @@ def _needs_cells(columns: Columns) -> bool:
         or columns.dates
         or columns.sheet
         or columns.decimal
+        or columns.no_reading
         or texts.keys() & {"y_minus", "x_time", "gross_error"}
     ) or any(is_range(text) for text in texts.values())
 
@@ -292,18 +304,20 @@ class _Reader:
             for role, one in self.columns.items()
             if role not in ("gross_error", "x_time") and not (role == "x" and moments is not None)
         }
-        self._refuse_headings()
+        refuse_headings(self._name, list(self.columns.values()), self._incomplete)
         self._raise_errors()
         kept = [i for i in range(len(x.cells)) if i not in self._incomplete]
         if not kept:
             raise TableError(f"{self._name}: no row has a number in every column that is wanted")
+        marks = self.columns.get("gross_error")
+        marked = [] if marks is None else [place for place, i in enumerate(kept) if is_mark(marks.cells[i][1])]
+        counted = [i for place, i in enumerate(kept) if place not in marked and place + 1 not in wanted.gross]
+        self.ask_for_sentinels(values, counted)
         values = {role: [numbers[i] for i in kept] for role, numbers in values.items()}
         zero = None
         if moments is not None:
             zero = wanted.origin or min(moments[i] for i in kept)
             values["x"] = [(moments[i] - zero).total_seconds() / 86400 for i in kept]
-        marks = self.columns.get("gross_error")
-        marked = [] if marks is None else [place for place, i in enumerate(kept) if is_mark(marks.cells[i][1])]
         y = values["y"]
         if "y_minus" in values:
             y = [one - other for one, other in zip(y, values["y_minus"], strict=True)]
@@ -349,63 +363,49 @@ class _Reader:
             self.units[role] = unit
             column = replace(column, cells=[(line, cell) for (line, _), cell in zip(column.cells, cells, strict=True)])
         if sign is None:
-            self._ask(column)
+            others = (cell for _, cells in self._sheet.rows for cell in cells)
+            refuse_thousands(self._name, column.name, column.cells, others)
         values = []
         for i, (_, cell) in enumerate(column.cells):
             value = number_in(cell) if sign is None else number_of(cell, sign)
             if value is None:
                 self._bad(i, column, "not a finite number")
+            elif value in (self._wanted.no_reading or ()) and role != "weight":
+                self._incomplete.add(i)
             values.append(0.0 if value is None else value)
         return values
 
-    def _ask(self, column: Picked) -> None:
-        """Refuse what may be one number or a thousand times that."""
-        others = (cell for _, cells in self._sheet.rows for cell in cells)
-        doubtful = doubtful_cell([cell for _, cell in column.cells], others)
-        if doubtful is not None:
-            line = next(line for line, cell in column.cells if cell == doubtful)
-            told: Sentence = (f"'{doubtful}' may have thousands; say how it is written",)
-            for between, (sign, value) in zip((": ", ", "), two_readings(doubtful).items(), strict=False):
-                told = *told, between, setting("decimal_sign", sign), f" reads {value:.15g}"
-            raise DoubtError({"decimal": sign}, (f"{self._name} line {line}, column {column.name}: ", *told))
+    def ask_for_sentinels(self, values: Mapping[str, Sequence[float]], rows: Sequence[int]) -> None:
+        """Ask whether numbers such as -999 are readings; ``rows`` are the places of those that count."""
+        counted = {role: [own[row] for row in rows] for role, own in values.items() if role != "weight"}
+        rises = counted.get("x", []) == sorted(counted.get("x", []))  # 1, 10, 99.9
+        found = {role: sentinels_in(own) for role, own in counted.items() if role != "x" or not rises}
+        role = next((role for role, sentinels in found.items() if sentinels), None)
+        if role is None or self._wanted.no_reading is not None:
+            return
+        column = self.columns[role]
+        line = next((line for line, cell in column.cells if number_in(cell) == found[role][0]), None)
+        where = self._name if line is None else f"{self._name} line {line}"
+        raise no_reading_doubt(f"{where}, column {column.name}", [one for own in found.values() for one in own])
 
     def _bad(self, row: int, column: Picked, what: str) -> None:
         line, cell = column.cells[row]
         formula = isinstance(cell, str) and cell.startswith(FORMULA)
-        if self._wanted.incomplete is not None and not formula:
+        own_unit = has_unit(cell) and all(one.cells[row][1] != "" for one in self.columns.values())
+        if self._wanted.incomplete is not None and not formula and not own_unit:
             self._incomplete.add(row)
             return
         problem = f"'{str(cell)[:50]}' is {what}" if cell != "" else "the cell is empty"
         if formula:
             problem = f"{str(cell)[:50]} has no stored value; let a spreadsheet program calculate and save the workbook"
         remedy: Sentence = ()
+        if own_unit:
+            problem += ": it has a unit of its own, unlike others; write it in the unit of the column, without the unit"
         if what == "not a finite number" and is_moment(cell):
             remedy = "; ", _FIRST_OF_DATES, " says how a date is written"
         elif not (formula or self._messages or any(map(str.isdigit, str(cell)))):
             remedy = "; ", setting("incomplete_rows", "leave_out"), " passes over such rows"
         self._messages.append((line, (f"{self._name} line {line}, column {column.name}: {problem}", *remedy)))
-
-    def _refuse_headings(self) -> None:
-        """Refuse to leave out rows of words directly below the names: they may say what the numbers are."""
-        first = next((i for i in range(len(self.columns["x"].cells)) if i not in self._incomplete), 0)
-        for i in range(first):
-            cells = [one.cells[i] for one in self.columns.values() if one.cells[i][1] != ""]
-            if not any(is_reading(cell) for _, cell in cells):
-                told = ", ".join(str(cell)[:50] for _, cell in cells)
-                line = f"{self._name} line {cells[0][0]}"
-                what = f"{line}: '{told}' stands between the names and the first row of numbers"
-                units = setting("x_unit"), " and ", setting("y_unit")
-                raise TableError(
-                    (f"{what}; if these are unknown units, give ", *units, " and delete the row, else delete it")
-                )
-        for i in sorted(self._incomplete):
-            cells = [one.cells[i] for one in self.columns.values() if one.cells[i][1] != ""]
-            if len(cells) > 1 and all(is_heading(cell) for _, cell in cells):
-                told = ", ".join(str(cell)[:50] for _, cell in cells)
-                raise TableError(
-                    f"{self._name} line {cells[0][0]}: '{told}' are other headings or units than above; give the "
-                    "cells of one table, such as A2:A30, or delete the others"
-                )
 
     def _raise_errors(self) -> None:
         if not self._messages:

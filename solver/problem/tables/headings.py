@@ -60,6 +60,7 @@ _VALUE_BEFORE = re.compile(
 _LETTERS = re.compile(r"([A-Za-z]{1,3}):\1")  # a column without a heading: H:H are no hours
 _LETTER = re.compile(r"[^\W\dxeE_]|[%‰°]")
 _NUMBERED = re.compile(r"^[a-ln-zA-Z]\d+$|[A-Za-z]1(?!\d)")  # s1, A2, min1: names, not powers
+_PER = re.compile(r"(?<![^\W_])([µμ]?[^\W\d_]{1,4})[ _]per[ _]([^\W\d_]{1,4})(?![^\W_])", re.IGNORECASE)
 _SIGNS = ("%", "‰")
 _SIZES = ("m", "kPa")  # "Setzung mm bzw. cm"
 _LONGEST = 200
@@ -195,7 +196,7 @@ def known_unit(text: str) -> tuple[str | None, str | None]:
 @functools.lru_cache(maxsize=4096)
 def units_of(heading: str) -> tuple[Named, ...]:
     """All units that a heading names, in square brackets first; also what stands in such brackets and is not known."""
-    heading = referred_apart(" ".join(heading.split()).translate(_SLASHES))
+    heading = _PER.sub(_over, referred_apart(" ".join(heading.split()).translate(_SLASHES)))
     if len(heading) > _LONGEST or _LETTERS.fullmatch(heading) is not None:
         return ()
     found: list[Named] = []
@@ -225,6 +226,11 @@ def units_of(heading: str) -> tuple[Named, ...]:
         found = list(_outside(" ".join(plain.split()), heading))
     found += [one for one in [_altered(heading, found)] if one is not None]
     return tuple(dict.fromkeys(found))
+
+
+def _over(found: re.Match[str]) -> str:
+    """A quotient of two units in signs: ``mm_per_m``."""
+    return f"{found[1]}/{found[2]}" if _known(found[1])[0] and _known(found[2])[0] else found[0]
 
 
 def _altered(heading: str, found: Sequence[Named]) -> Named | None:

@@ -7,15 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geoswarm.solver.problem.tables.blocks import begin, key
-from geoswarm.solver.problem.tables.cells import (
-    Beside,
-    Sheet,
-    factors_beside,
-    number_in,
-    read_cells,
-    with_factors,
-    without_units,
-)
+from geoswarm.solver.problem.tables.cells import Sheet, number_in, read_cells, without_units
 from geoswarm.solver.problem.tables.dates import doubtful_date, elapsed_days, form_of, is_moment, moment_in, time_of_day
 from geoswarm.solver.problem.tables.headings import (
     BASES,
@@ -30,6 +22,7 @@ from geoswarm.solver.problem.tables.packed import FORMULA, Cell, column_letters
 from geoswarm.solver.problem.tables.picking import Picked, lying_rows, units_beside
 from geoswarm.solver.problem.tables.quantities import quantities_of
 from geoswarm.solver.problem.tables.reading import TableError
+from geoswarm.solver.problem.tables.remarks import Beside, factors_beside, with_factors
 from geoswarm.solver.units import base_unit, convert
 from geoswarm.solver.words import listed
 

@@ -9,9 +9,20 @@ from collections.abc import Iterable, Sequence
 from typing import Literal, TypeAlias
 
 from geoswarm.solver.problem.tables.packed import Cell
-from geoswarm.solver.problem.tables.reading import cell_number
+from geoswarm.solver.problem.tables.reading import DoubtError, cell_number
+from geoswarm.solver.sentences import Sentence, setting
 
-__all__ = ["DecimalSign", "doubtful_cell", "evidence", "is_mark", "number_of", "two_readings"]
+__all__ = [
+    "DecimalSign",
+    "doubtful_cell",
+    "evidence",
+    "is_mark",
+    "no_reading_doubt",
+    "number_of",
+    "refuse_thousands",
+    "sentinels_in",
+    "two_readings",
+]
 
 DecimalSign: TypeAlias = Literal["comma", "point"]
 """What stands before the decimals; the other sign may then stand between thousands."""
@@ -137,3 +148,78 @@ def _apart(cell: str) -> bool:
 def is_mark(cell: Cell) -> bool:
     """Whether a cell marks its row, as one of gross errors does."""
     return cell != 0.0 if isinstance(cell, float) else cell.strip().casefold() not in _NO_MARK
+
+
+_SENTINEL = re.compile(
+    r"-?(?:9{2,}(?:\.9+|\.25)?|9\.9{2,}|8{3,}(?:\.8+)?|7{3,}|[67]999|32767|65535|2147483647)|-1|-32768|-2147483648"
+)
+_HUGE = 1e9
+_CODE = -99.0
+_FAR = 2.0
+_STEPS = 5.0
+_LARGE = 10.0
+_FEWEST = 2
+
+
+def sentinels_in(values: Sequence[float]) -> list[float]:
+    """Numbers that programs write for no reading, such as -999 and 1e30, and that are far from all others.
+
+    >>> sentinels_in([0.1, 0.2, -999.0, 0.4]), sentinels_in([0.0, 99.0, 200.0]), sentinels_in([0.0, -1.0, 2.0, -1.0])
+    ([-999.0], [], [])
+    """
+    suspects = {value for value in values if abs(value) >= _HUGE or _SENTINEL.fullmatch(f"{value:.12g}") is not None}
+    others = [value for value in values if value not in suspects]
+    if len(others) < _FEWEST or not suspects:
+        return []
+    low, high = min(others), max(others)
+    return [
+        value
+        for value in dict.fromkeys(values)
+        if value in suspects and (_leaps(values, value, others) if value == -1.0 else _is_far(value, low, high))
+    ]
+
+
+def _is_far(value: float, low: float, high: float) -> bool:
+    if value <= _CODE and low >= 0.0:
+        return True
+    return max(low - value, value - high) > _FAR * (high - low or abs(high))
+
+
+def _leaps(values: Sequence[float], value: float, others: Sequence[float]) -> bool:
+    """Whether a number that returns is below all others, and far from those before and after it in each place."""
+    places = [place for place, one in enumerate(values) if one == value]
+    if len(places) < 2 or min(others) < 0.0:
+        return False
+    steps = sorted(abs(one - other) for one, other in itertools.pairwise(others))
+    step = steps[len(steps) // 2]
+    beside = [values[near] for place in places for near in (place - 1, place + 1) if 0 <= near < len(values)]
+    nearest = min((one for one in beside if one != value), default=0.0)
+    return nearest >= _LARGE or (step > 0.0 and nearest - value > _STEPS * step)
+
+
+def no_reading_doubt(where: str, sentinels: Sequence[float]) -> DoubtError:
+    """The question whether numbers are readings."""
+    named = ", ".join(f"{value:.15g}" for value in dict.fromkeys(sentinels))
+    told = (
+        f"{where}: {named} {'is' if len(set(sentinels)) == 1 else 'are'} far from the other numbers, as what programs"
+    )
+    leaves = setting("no_reading", f"[{named}]"), ", which leaves such rows out, or "
+    kept = setting("no_reading", "[]"), " where these are readings"
+    return DoubtError({"no_reading": tuple(sentinels)}, (f"{told} write for no reading; give ", *leaves, *kept))
+
+
+def refuse_thousands(file: str, column: str, cells: Sequence[tuple[int, Cell]], others: Iterable[Cell]) -> None:
+    """Refuse what may be one number or a thousand times that; ``cells`` of a column with their lines.
+
+    Raises
+    ------
+    DoubtError
+        There is such a cell.
+    """
+    doubtful = doubtful_cell([cell for _, cell in cells], others)
+    if doubtful is not None:
+        line = next(line for line, cell in cells if cell == doubtful)
+        told: Sentence = (f"'{doubtful}' may have thousands; say how it is written",)
+        for between, (sign, value) in zip((": ", ", "), two_readings(doubtful).items(), strict=False):
+            told = *told, between, setting("decimal_sign", sign), f" reads {value:.15g}"
+        raise DoubtError({"decimal": sign}, (f"{file} line {line}, column {column}: ", *told))

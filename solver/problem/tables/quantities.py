@@ -1,7 +1,8 @@
-"""What a column holds, from the words of its heading, German or English, as laboratories write them."""
+"""What a column holds, from the words of its heading as laboratories write them, German, English and some others."""
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable
 
@@ -12,7 +13,8 @@ __all__ = ["dimension_of", "factor_in", "is_column_of_factors", "is_heave", "is_
 _HEAVE = (
     r"(?:(?<![^\W\d_])(?:an|auf|boden|sohl)?hebung(?:en)?|(?<![^\W\d_])(?:heave|heaving|uplift)|(?:auf)?quell(?:ung|dehnung"
     r"|hebung|verformung|ma(?:ß|ss))|schwell(?:ung|dehnung|hebung)"
-    r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index))|gonflement|soul[èe]vement)"
+    r"|(?<![^\W\d_])swell(?:ing)?(?! ?(?:pressure|stress|index))|gonflement|soul[èe]vement"
+    r"|hinchamiento|pęcznieni\w|svällning|hävning)"
     r"(?![^\W\d_])(?!\s*\(?[=:]?\s*(?:[-−–]\s*(?:\)|$)|neg))"  # "Setzung, Hebung (-)" is a settlement
     r"|(?:[-−–]|n[ée]g\w*) ?=? ?(?:nach unten|down|vers le bas)|(?:nach unten|down(?:wards?)?) ?=? ?(?:neg|[-−–])"
     r"|(?:\+|pos\w*) ?=? ?(?:nach oben|up)|(?:nach oben|up(?:wards?)?) ?=? ?(?:pos|\+)"
@@ -29,12 +31,33 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (r"bemerkung|anmerkung|kommentar|remark|comment", ("remark",)),
     (r"gewicht(ung)?\b|\bweights?\b", ("weight",)),
     (_HEAVE, ("heave",)),
-    (r"höhe\b|hoehe\b|\bhauteur\b|\bheight\b(?! change)(?<!change in height)(?<!change of height)", ("height",)),
-    (r"stufe|\bstages?\b|load(ing)? step|lastschritt", ("stage",)),
-    (r"überdruck|ueberdruck|excess pore|excess pwp|^(delta|[dδ∆]) ?u$", ("excess_pore_pressure", "pore_pressure")),
-    (r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$", ("pore_pressure",)),
-    (r"zeit(en)?\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$", ("time",)),
-    (r"porenzahl|void[ _-]ratio|^e$", ("void_ratio", "e")),
+    (
+        r"höhe\b|hoehe\b|\bhauteur\b|wysokość|\baltura\b|\bhöjd(?:en)?\b"
+        r"|\bheight\b(?! change)(?<!change in height)(?<!change of height)",
+        ("height",),
+    ),
+    (r"stufe|\bstages?\b|load(ing)? step|lastschritt|\bpalier|\bétape\b|\betapa\b|\bescalón|\bstopień", ("stage",)),
+    (
+        r"überdruck|ueberdruck|excess pore|excess pwp|sur(?:pression)|exceso de presión|nadciśnieni|porövertryck"
+        r"|^(delta|[dδ∆]) ?u$",
+        ("excess_pore_pressure", "pore_pressure"),
+    ),
+    (
+        r"porenwass|porendruck|pore[ -]?(water[ -]?)?pressure|\bpwp\b|piezomet|^u( ?w)?$|pression interstitielle"
+        r"|presión (de poros|intersticial)|ciśnieni\w* porow|por(vatten)?tryck",
+        ("pore_pressure",),
+    ),
+    (
+        r"zeit(en)?\b|\btime\b|dauer\b|duration|elapsed|datum|\bdate\b|^tage?$|^days?$|^t$|\btemps\b|\bdurée\b|\btiempo|\bczas"
+        r"|\btid(en)?\b",
+        ("time",),
+    ),
+    (
+        r"porenzahl|void[ _-]ratio|^e$|indice des vides|índice de (vacíos|huecos|poros)|relación de vacíos"
+        r"|wskaźnik porowatości"
+        r"|\bportal(et)?\b",
+        ("void_ratio", "e"),
+    ),
     (r"stress[ _-]ratio|spannungsverhältnis|^q ?/ ?p|^η$", ("stress_ratio",)),
     (
         r"radial\w*[ _-]?(dehnung|stauchung|strain)|querdehnung|(horizontal|lateral) strain|^(ε|eps(ilon)?|e) ?[r3]$",
@@ -42,7 +65,9 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ),
     (r"radial\w*[ _-]?(verschiebung|verformung|displacement)|durchmesser(ände)", ("radial_displacement",)),
     (
-        r"volum\w*[ _-]?(dehnung|stauchung|strain|verformung|änderung)|\bvol\.? strain|^(ε|eps(ilon)?) ?v(ol)?$",
+        r"volum\w*[ _-]?(dehnung|stauchung|strain|verformung|änderung|töjning)|(déformation|deformación) volum"
+        r"|odkształceni\w* obj"
+        r"|\bvol\.? strain|^(ε|eps(ilon)?) ?v(ol)?$",
         ("volumetric_strain",),
     ),
     (
@@ -50,7 +75,7 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
         ("shear_strain",),
     ),
     (r"scherspannung|schubspannung|shear[ _-]?stress|^(τ|tau)$", ("shear_stress",)),
-    (r"deviator|^q$|^(σ|sigma) ?d(ev)?$|^(σ|sigma) ?[1av] ?[-−–] ?(σ|sigma) ?[3r]$", ("q",)),
+    (r"deviator|dewiator|déviat|desviador|^q$|^(σ|sigma) ?d(ev)?$|^(σ|sigma) ?[1av] ?[-−–] ?(σ|sigma) ?[3r]$", ("q",)),
     (r"mittlere \w*[ ]?(haupt)?spannung|mean (effective )?stress|^p['’′]?$", ("p", "mean_effective_stress")),
     (
         r"(horizontal|seiten|radial|zell)\w*[ ]?(spannung|spg\b|druck)"
@@ -64,19 +89,26 @@ _RULES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ),
     (r"normalspannung|normal stress", ("normal_stress",)),
     (
-        r"(bezogene|spezifische|relative) (setzung|verformung|zusammendrückung)|dehnung|stauchung|strain"
+        r"(bezogene|spezifische|relative) (setzung|verformung|zusammendrückung)|dehnung|stauchung|strain|déformation"
+        r"|deformación|odkształceni|töjning"
         r"|^(ε|eps(ilon)?)",
         ("axial_strain", "vertical_strain"),
     ),
     (
-        r"setzung|settlement|zusammendrückung|höhenänderung|(change of|change in) height|^s$|^(delta|[dδ∆]) ?h\d?$",
+        r"setzung|settlement|zusammendrückung|höhenänderung|tassement|\basiento|asentamiento|osiadani|sättning"
+        r"|(change of|change in) height|^s$|^(delta|[dδ∆]) ?h\d?$",
         ("settlement", "axial_displacement"),
     ),
     (
-        r"verformung|verschiebung|\bweg\b|wegaufnehmer|displacement|deformation|\bdial|gauge|messuhr|ablesung",
+        r"verformung|verschiebung|\bweg\b|wegaufnehmer|displacement|deformation|\bdial|gauge|messuhr|ablesung"
+        r"|déplacement|desplazamiento|przemieszczeni|förskjutning",
         ("settlement", "axial_displacement"),
     ),
-    (r"spannung|spg\b|stress|auflast|\blast\b|^(σ|sigma)", ("axial_stress", "normal_stress", "effective_stress")),
+    (
+        r"spannung|spg\b|stress|auflast|\blast\b|^(σ|sigma)|contrainte|esfuerzo|\btensión|naprężeni|obciążeni|spänning|\bcharge\b"
+        r"|\bcarga\b",
+        ("axial_stress", "normal_stress", "effective_stress"),
+    ),
 )
 """Patterns of headings and what they mean, the likeliest first; the first pattern that is found counts."""
 
@@ -127,20 +159,31 @@ def _plain(label: str) -> str:
 
 
 _FACTOR = r"(?:10\s?(?:\^|\*\*)?\s?[-−]\s?\d|1\s?[/:]\s?10+|\d+(?:[.,]\d+)?(?:e[-+]?\d+)?|[.,]\d+)"
-_SCALED_LINE = re.compile(
+_SCALED_LINE = (
     r"(?:(?<![^\W\d_])(?<!safety )(?<!shape )(?<!form )(?<!gauge )(?<!time )(?:(?:umrechnungs|skalierungs|mess(?:wert)?"
-    r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling)[- ]?)?fa[ck]tor(?:s|en)?(?![^\W\d_])"
+    r"|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling|skal)[- ]?)?(?:fa[ck]t(?:o|eu)r(?:s|en|es)?"
+    r"|mnożnik|współczynnik|coefficiente?|coeficiente)"
+    r"(?![^\W\d_])"
     r"(?! of safety| (?:der )?sicherheit)"
-    r"|(?<![^\W\d_])(?:skala|skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|mult(?:iply|ipli\w+)|divi[ds]\w+)(?![^\W\d_]))"
+    r"|(?<![^\W\d_])(?:skala|skalierung|skaliert|scal(?:e|ing|ed)|ma(?:ß|ss)stab|échelle|escala|skala"
+    r"|mult(?:iply|ipli\w+)|divi[ds]\w+|exponent|zehnerpotenz"
+    r"|(?:(?:dial|gauge|ring|machine|cell|messuhr|geräte?|geraete|kalibrier|eich|aufnehmer)[- ]?)"
+    r"(?:constant|[ck]onstante?|stała)|constante d[eu]l? \w+)(?![^\W\d_]))"
     rf"\D{{0,40}}?({_FACTOR})(?![\d.,])"
+    rf"|(?:mit|um|durch|by|par|por|przez|med)\s+({_FACTOR})\s+(?:multipli|divi|geteilt|skaliert|scaled|mnoż|dziel)\w*"
+    rf"|({_FACTOR})\s*[^\W\d]{{1,3}}\s?/\s?(?:div|digit|count|tick|skt|teilstrich|działk)\w*"
     rf"|(?:(?<![\d.,\s])\s*|^)(?:[×*·]|(?<![^\W\d_])(?:x|mal|times)(?![^\W\d_]))\s*({_FACTOR})\s*\W?$"
-    rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+(?:in\s+(1\s?/\s?10+|0?[.,]0*1|{PARTS})\s*\W?$"
+    rf"|(?<![^\W\d_])(?:(?:mess)?werte?|values|readings|angaben)\s+(?:(?:in|sind|are)\s+(1\s?/\s?10+|0?[.,]0*1|{PARTS})\s*\W?$"
     rf"|(?:sind |are )?(?:[×*·/]|(?:x|mal|times|durch)(?![^\W\d_]))\s*({_FACTOR}))"
     rf"|^\W*(?:kalibrier|eich|calibration)[^\W\d]*\W+({_FACTOR})\s*$"
-    rf"|^\W*1\s*(?:div|digit|count|tick|sk(?:t|alen)|(?:teil)?strich)[^\W\d_]*\.?\s*[=≙:]\s*({_FACTOR})\s*[^\W\d]",
-    re.IGNORECASE,
+    rf"|^\W*1\s*(?:div|digit|count|tick|sk(?:t|alen)|(?:teil)?strich|działk|divisi|delstreck|graduation)[^\W\d_]*\.?\s*[=≙:]\s*({_FACTOR})\s*[^\W\d]"
 )
 """A line that scales the numbers of a table: ``Faktor: 0,01``, ``multiply by 0.01``, ``Werte x 0,01``."""
+
+
+@functools.cache
+def _scaled_line() -> re.Pattern[str]:
+    return re.compile(_SCALED_LINE, re.IGNORECASE)
 
 
 def factor_in(line: str) -> str | None:
@@ -149,7 +192,7 @@ def factor_in(line: str) -> str | None:
     >>> factor_in("Skalierung (Setzung): 1/100"), factor_in("scale factor 1.0")
     ('1/100', None)
     """
-    found = _SCALED_LINE.search(line)
+    found = _scaled_line().search(line)
     if found is None:
         return None
     rest = line[found.end() :]
@@ -160,7 +203,7 @@ def factor_in(line: str) -> str | None:
 
 _OFFSET_LINE = re.compile(
     r"(?:(?<![^\W\d_])(?:offset|null(?:punkt|ablesung|wert|lage)|anfangs(?:wert|ablesung)|tar[ea]|bias"
-    r"|(?:zero|initial|start(?:ing)?)[ -](?:reading|point|value|offset))(?![^\W\d_]))"
+    r"|(?:zero|initial|start(?:ing)?)[ -](?:reading|point|value|offset))(?![^\W\d_])|^\W*(?:zero|null)(?=\W*\d))"
     r"\D{0,40}?[-+−]?(\d+(?:[.,]\d+)?|[.,]\d+)",
     re.IGNORECASE,
 )
@@ -173,7 +216,11 @@ def offset_in(line: str) -> str | None:
     ('12,31', None)
     """
     found = _OFFSET_LINE.search(line)
-    return None if found is None or not found[1].strip("0.,") else found[1]
+    if found is None:
+        return None
+    rest = line[found.end() :]
+    more = re.findall(_FACTOR, rest) if re.fullmatch(r"[\s\d.,;eE+-]*", rest) else []  # an offset for each channel
+    return next((one for one in (found[1], *more) if one.strip("0.,")), None)
 
 
 _COLUMN_OF_FACTORS = re.compile(

@@ -7,15 +7,15 @@ import re
 __all__ = ["ALIASES", "ATOMS", "CASE_MATTERS", "PARTS", "SUMS", "in_signs"]
 
 _WORDS = {
-    "s": "s sec secs second seconds sek sekunde sekunden",
-    "min": "min mins minute minutes minuten",
-    "h": "h hr hrs hour hours std stunde stunden",
-    "day": "d days tag tage tagen tg",
+    "s": "s sec secs second seconds sek sekunde sekunden seg segundos sekund",
+    "min": "min mins minute minutes minuten minutos minut minuter",
+    "h": "h hr hrs hour hours std stunde stunden heures horas godz godzin tim timmar",
+    "day": "d days tag tage tagen tg jours días dni dygn",
     "week": "weeks woche wochen",
     "month": "months monat monate",
     "year": "a years jahr jahre yr yrs",
     "ms": "msec msecs millisecond milliseconds millisekunde millisekunden",
-    "um": "µm μm my mü micron microns mikrons micrometer micrometers micrometre micrometres mikrometer mikron",
+    "um": "µm μm my mü micron microns mikrons micrometer micrometers micrometre micrometres mikrometer mikron micras",
     "mm": "mm millimeter millimeters millimetern millimetre millimetres",
     "cm": "cm centimeter centimeters centimetre centimetres zentimeter zentimetern",
     "m": "meter meters metern metre metres",

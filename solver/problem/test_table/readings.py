@@ -41,8 +41,8 @@ _FOUND: dict[tuple[str, str], tuple[tuple[str, ...], ...]] = {
 """What is read where a row names no column: of each group the first that the file has."""
 _OF_SERIES = {"unit": "y_unit", "factor": "y_factor", "error": "error", "weight": "weight", "distance": "distance"}
 _OF_ALL = (
-    *("decimal_sign", "incomplete_rows", "where", "sort", "repeated_x", "resample", "y_zero", "gross_error_column"),
-    *("x_factor", "loss", "loss_scale"),
+    *("decimal_sign", "incomplete_rows", "no_reading", "where", "sort", "repeated_x", "resample", "y_zero"),
+    *("gross_error_column", "x_factor", "loss", "loss_scale"),
 )
 _KEPT = ("error", "weight", "distance", "loss", "loss_scale", "x_from", "x_to")
 """Keys of an observation that are not taken in with its readings."""

@@ -6,7 +6,7 @@ export const CELLS = "cells"; // a column that is given by its letters, cells or
 
 /** What is chosen at first; `more` holds what few files need. */
 export function beginning() {
-  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, early: false, decimal: null, dates: null, specimen: null, incomplete: false, blocks: null, together: false, staged: false, found: {}, given: {}, more: {} };
+  return { series: null, x: null, y: null, xCells: "", yCells: "", xUnit: "", yUnit: "", reverse: false, sort: false, early: false, decimal: null, dates: null, specimen: null, incomplete: false, codes: [], noReading: null, blocks: null, together: false, staged: false, found: {}, given: {}, more: {} };
 }
 
 /** Columns and units for a series that was chosen. */
@@ -123,6 +123,7 @@ export function section(file, state) {
     gross_error_column: column(of.gross_error_column), inputs: Object.keys(inputs).length ? inputs : undefined, where,
     x_dates: state.dates ?? undefined, x_time_column: ["time", undefined].includes(file.columns[state.x]?.kind) ? column(of.x_time_column) : undefined, x_origin: of.x_origin || undefined,
     decimal_sign: state.decimal ?? undefined, incomplete_rows: state.incomplete ? "leave_out" : undefined,
+    no_reading: state.noReading === null ? undefined : JSON.parse(state.noReading),
     x_factor: factor(of.x_factor), y_factor: factor(of.y_factor), blocks: state.blocks ?? blocks, notes: of.notes ? [of.notes] : undefined,
   };
 }

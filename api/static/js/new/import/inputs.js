@@ -4,8 +4,9 @@ import { count } from "../../format.js";
 
 export const BEFORE = "Leave out readings before"; // the beginning of a series: strain or time 0, stage 1
 export const LEAVE_OUT = "Leave out rows without a number in every column";
+export const NO_READING = "Numbers that stand for no reading";
 
-const BOXES = { incomplete_rows: LEAVE_OUT, x_from: `${BEFORE} stage` };
+const BOXES = { incomplete_rows: LEAVE_OUT, no_reading: NO_READING, x_from: `${BEFORE} stage` };
 const FIELDS = {
   sheet: "map-sheet", x_column: "map-x", y_column: "map-y", x_unit: "map-x-unit", y_unit: "map-y-unit", x_dates: "map-dates", x_time_column: "map-x_time_column",
   x_origin: "map-origin", y_minus: "map-y_minus", decimal_sign: "map-sign", x_factor: "map-x-factor", y_factor: "map-y-factor", load_unit: "map-load-unit", load_column: "map-load_column",

@@ -39,8 +39,8 @@ export function loadStages(file, content, state, context, act) {
     const chosen = state.more.load_column !== columnOfLoads(file); // by the user, to whom a refusal is explained
     if (open(x).length || (!chosen && !inStages(of))) return exchange(place, null); // nothing is asked that would be refused
     if (!of.unit && !unit) return exchange(place, field(of));
-    const { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows } = section(file, state);
-    const observation = { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows, x_column: reference(file, x), x_unit: file.columns[x].unit ? undefined : state.xUnit || undefined };
+    const { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows, no_reading } = section(file, state);
+    const observation = { x_dates, x_time_column, x_origin, sheet, where, decimal_sign, incomplete_rows, no_reading, x_column: reference(file, x), x_unit: file.columns[x].unit ? undefined : state.xUnit || undefined };
     const query = { name: file.name, observation: JSON.stringify(observation), load_column: reference(file, state.more.load_column), load_unit: of.unit ? undefined : unit };
     try {
       const found = await (await request("POST", "/measurements/stages", { query, body: content, headers: { "Content-Type": "application/octet-stream" } })).json();

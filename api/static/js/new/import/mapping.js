@@ -7,7 +7,7 @@ import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
 import { messageOf } from "../words.js";
 import { CELLS, beginning, conflicts, doubts, joinable, joinsBlocks, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
-import { BEFORE, LEAVE_OUT, choice, firstRows, flag, labelHere, words } from "./inputs.js";
+import { BEFORE, LEAVE_OUT, NO_READING, choice, firstRows, flag, labelHere, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
 import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
 import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
@@ -59,6 +59,7 @@ export function mapping(file, content, context, act) {
     } catch (error) {
       if (error.name === "AbortError") return;
       refused = error.issues?.length ? error.issues : [error];
+      if (refusedFor("no_reading")) state.codes = refused.flatMap(({ parts }) => parts ?? []).filter(({ path }) => path === "no_reading").map(({ value }) => value);
     }
     show();
   }
@@ -88,7 +89,8 @@ export function mapping(file, content, context, act) {
     exchange(wrong,
       questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
       [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) => element("p", { class: "error", role: "alert" }, text)),
-      incomplete ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => { state.incomplete = on; load(); }) : null);
+      incomplete ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => { state.incomplete = on; load(); }) : null,
+      state.codes.length ? choice("map-no-reading", NO_READING, state.codes.map((codes) => [codes, codes === "[]" ? "none: these are readings" : codes.slice(1, -1)]), state.noReading, (codes) => { state.noReading = codes; load(); }, { asked: true }) : null);
     exchange(order, early ? flag("map-before", `${BEFORE} ${quantity("x")[0]} ${begin()}${before() ? ` (${count(before())})` : ""}`, state.early, (on) => { state.early = on; if (begin() > 0) load(); }) : null, unsorted() && info()?.x_increasing
       ? [element("p", { class: "help stale" }, `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`),
         flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => { state.sort = on; })]
