@@ -13,6 +13,7 @@ from contextlib import ExitStack
 from datetime import UTC
 from pathlib import Path
 
+import httpx
 import numpy as np
 import pytest
 from pydantic import SecretStr
@@ -56,6 +57,15 @@ def test_authorities_are_read_only_for_a_service_with_tls(monkeypatch: pytest.Mo
     assert read == []
     Client("HTTPS://calibration.example.org").close()
     assert read != []
+
+
+def test_an_idle_connection_is_left_before_the_service_closes_it(server: LiveServer) -> None:
+    with Client(server.url) as client:
+        transport = client._http._transport
+        assert isinstance(transport, httpx.HTTPTransport)
+        kept = transport._pool._keepalive_expiry
+    assert kept is not None
+    assert kept <= server.server.config.timeout_keep_alive - 1.0
 
 
 def test_submit_wait_and_read_the_result(client: Client) -> None:
