@@ -27,6 +27,8 @@ from geoswarm.workers.store import Store
 
 __all__ = ["InternalApp", "main"]
 
+IDLE_SECONDS = 86_400  # the service closes idle connections long before: a request would meet one that closes just then
+
 
 class InternalApp:
     """An application without a gate: the service, which alone reaches this process, names the sender."""
@@ -64,7 +66,13 @@ def main(given: Mapping[str, Any]) -> None:
     waker = PipeWaker(settings.workers, (ends[0], ends[1])) if ends else remote_waker(settings)
     app = create_app(JobService(store, waker, settings), door=False)
     config = uvicorn.Config(
-        InternalApp(app), log_config=None, log_level="warning", access_log=False, server_header=False, lifespan="off"
+        InternalApp(app),
+        log_config=None,
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        lifespan="off",
+        timeout_keep_alive=IDLE_SECONDS,
     )
     uvicorn.Server(config).run(sockets=[socket.socket(fileno=given["listener"])])
 

@@ -66,9 +66,6 @@ def _canonical(unit: str) -> str:
     return "dimensionless" if unit in _DIMENSIONLESS else unit
 
 
-_BASES = ("day", "m", "kPa", "kN", "degree", "dimensionless", "m^2", "m^3", "kN/m", "kN*m", "kN/m^3", "m/day", "1/m")
-
-
 @lru_cache(maxsize=256)
 def base_unit(unit: str) -> str:
     """Return the unit of ours (kN, m, day, degree) that has the dimension of another; that itself where there is none.
@@ -79,8 +76,9 @@ def base_unit(unit: str) -> str:
         The unit is unknown or has an offset.
     """
     plain = _split(_canonical(unit))[1]
-    if plain not in COMMON:
-        _root(plain, "m, kPa, kN, day, degree, 1")
+    if plain in _BASE_OF:
+        return _BASE_OF[plain]
+    _root(plain, "m, kPa, kN, day, degree, 1")
     for base in _BASES:
         try:
             convert(0.0, plain, base)
@@ -136,20 +134,31 @@ def _ratio(unit: str, base: str) -> tuple[float, float]:
     return float(factor.numerator), float(factor.denominator)
 
 
+_BASES = ("day", "m", "kPa", "kN", "degree", "dimensionless", "m^2", "m^3", "kN/m", "kN*m", "kN/m^3", "m/day", "1/m")
+
 COMMON = {
+    **{base: (Fraction(1), base) for base in _BASES},
     "s": (Fraction(1, 86400), "day"),
     "min": (Fraction(1, 1440), "day"),
     "h": (Fraction(1, 24), "day"),
-    "day": (Fraction(1), "day"),
+    "week": (Fraction(7), "day"),
+    "um": (Fraction(1, 10**6), "m"),
     "mm": (Fraction(1, 1000), "m"),
     "cm": (Fraction(1, 100), "m"),
-    "m": (Fraction(1), "m"),
-    "kPa": (Fraction(1), "kPa"),
+    "in": (Fraction(254, 10**4), "m"),
+    "Pa": (Fraction(1, 1000), "kPa"),
+    "hPa": (Fraction(1, 10), "kPa"),
+    "kN/m^2": (Fraction(1), "kPa"),
     "MPa": (Fraction(1000), "kPa"),
+    "bar": (Fraction(100), "kPa"),
+    "N": (Fraction(1, 1000), "kN"),
+    "MN": (Fraction(1000), "kN"),
     "%": (Fraction(1, 100), "dimensionless"),
-    "dimensionless": (Fraction(1), "dimensionless"),
 }
 """What nearly all measurements need, so that the registry need not be loaded (tests compare the two)."""
+
+# Symbols and words of headings are also units: psi, whose factor the registry rounds, and "in".
+_BASE_OF = {unit: base for unit, (_, base) in COMMON.items()} | {"psi": "kPa"}
 
 
 @lru_cache(maxsize=256)

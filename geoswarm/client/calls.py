@@ -32,6 +32,7 @@ __all__ = [
     "API",
     "DEFAULT_URL",
     "JSON_BODY",
+    "LIMITS",
     "Call",
     "Noise",
     "OtherSet",
@@ -57,6 +58,9 @@ __all__ = [
 
 DEFAULT_URL = "http://127.0.0.1:8765"
 API = "/api/v1"
+
+LIMITS = httpx.Limits(max_connections=100, max_keepalive_connections=20, keepalive_expiry=4.0)
+"""Idle connections are left before the service closes them, after 5 s: a request could meet one that just closes."""
 
 T = TypeVar("T")
 Problem = Mapping[str, Any] | str | Path

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.service.job_service import JobService
@@ -22,6 +22,7 @@ READ_POINTS = """async (base) => {
     const found = await fetchPoints(document.querySelector("main").dataset.job);
     return [found.count, [...found.values[1]], [...found.objective], [...found.misfits.z]];
 }"""
+PLACE_OF_PLAN = "document.getElementById('plan').getBoundingClientRect().top + scrollY"
 MOVE = "(slider, value) => { slider.value = value; slider.dispatchEvent(new Event('input')); }"
 
 
@@ -196,11 +197,21 @@ def test_a_follow_up_is_offered_the_values_of_the_job(embedded: Site, visit: Vis
 
 
 def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) -> None:
-    page, guard = visit(embedded, f"/jobs/{job}/statistics")
+    page, guard = visit(embedded, "/")
     guard.allow("422")
+    scripts: list[Route] = []
+    page.route(re.compile("plotly"), lambda route: scripts.append(route))
+    page.goto(f"/jobs/{job}/statistics")
+    expect(page.locator("#verdicts .card")).to_have_count(3)
+    start = page.get_by_role("button", name="Start follow-up")
+    expect(start).to_contain_text("runs")
     page.get_by_label("a in the follow-up").select_option("linked")
     page.get_by_label("Expression of a").fill("2 * nobody")
-    page.get_by_role("button", name="Start follow-up").click()
+    before = page.evaluate(PLACE_OF_PLAN)
+    scripts[0].continue_()
+    expect(page.locator("#fit .main-svg").first).to_be_visible()
+    assert page.evaluate(PLACE_OF_PLAN) == pytest.approx(before, abs=5)  # a click while it moves is lost
+    start.click()
     expect(page.locator("#plan .error")).to_contain_text("nobody")
     assert page.url.endswith(f"/jobs/{job}/statistics")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
@@ -18,10 +20,14 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import attempts, evaluations, jobs
 from tests.workers.conftest import MakeWorker
 from tests.workers.hand import LEARNING, PROBLEM, Hand, finish, pass_time, runtime_for
-from tests.workers.problems import course, expected_history, line, recorded_history
+from tests.workers.problems import History, course, expected_history, line, recorded_history
 
 PATIENT = line(method=LEARNING, stopping={"max_evaluations": 60}, failures={"retry": {"worker_lost": 1000}})
-EXPECTED = expected_history(PROBLEM)
+
+
+@cache
+def expected() -> History:
+    return expected_history(PROBLEM)
 
 
 @pytest.fixture
@@ -51,7 +57,7 @@ def test_expensive_or_unknown_runs_go_one_by_one_and_cheap_ones_in_chunks(
         hand.submit()
     assert sizes[:3] == [1, 3, 2]  # the first run tells what one costs
     assert set(sizes[3:]) == {3}
-    assert recorded_history(service, job_id) == EXPECTED
+    assert recorded_history(service, job_id) == expected()
 
 
 def test_a_wide_first_generation_learns_only_once_what_a_run_costs(
@@ -84,7 +90,7 @@ def test_the_first_result_counts_and_a_late_one_is_recorded(
     assert slow.exchange(late).claim is None
     assert lost_tries(store) == [(0, 1, "slow", "late")]  # it was not lost after all
     assert listed(service, job_id) == [(1, "slow", "late", False), (2, "fast", "finished", True)]
-    assert recorded_history(service, job_id) == EXPECTED
+    assert recorded_history(service, job_id) == expected()
     first = service.evaluations(job_id, limit=1).items[0]
     assert (first.worker, first.attempts) == ("fast", 2)
 
@@ -107,7 +113,7 @@ def test_a_result_that_arrives_before_its_second_try_counts(
     second.submit()
     assert listed(service, job_id) == [(2, "w2", "late", False), (1, "w1", "finished", True)]
     finish(second)
-    assert recorded_history(service, job_id) == EXPECTED
+    assert recorded_history(service, job_id) == expected()
 
 
 def test_a_worker_that_was_given_up_too_early_is_counted_with_its_own_try(
@@ -122,7 +128,7 @@ def test_a_worker_that_was_given_up_too_early_is_counted_with_its_own_try(
     assert listed(service, job_id) == [(1, "w1", "finished", True)]
     finish(second)
     assert lost_tries(store) == []
-    assert recorded_history(service, job_id) == EXPECTED
+    assert recorded_history(service, job_id) == expected()
 
 
 def test_an_exchange_whose_answer_was_lost_can_be_repeated(
@@ -139,7 +145,7 @@ def test_an_exchange_whose_answer_was_lost_can_be_repeated(
     finish(hand)
     assert lost_tries(store) == []
     assert {e.attempts for e in service.iterate_evaluations(job_id)} == {1}
-    assert recorded_history(service, job_id) == EXPECTED
+    assert recorded_history(service, job_id) == expected()
 
 
 def test_what_was_not_begun_is_given_back_untouched(
@@ -206,7 +212,7 @@ def test_pause_keeps_results_and_resume_goes_on_with_the_same_bits(
     assert service.resume(job_id).state == "running"
     finish(hand)
     assert done > 6
-    assert recorded_history(service, job_id) == EXPECTED
+    assert recorded_history(service, job_id) == expected()
     states = [event.data["state"] for event in service.events(job_id) if event.kind == "state"]
     assert states == ["queued", "running", "paused", "running", "finished"]
 
@@ -371,7 +377,7 @@ def test_any_order_of_workers_losses_and_pauses_gives_the_same_history(
         Hand(runtime, job_id, hand.name).exchange(results, want=False)
     finish(Hand(runtime, job_id, "last"))
     assert service.get(job_id).state == "finished"
-    assert recorded_history(service, job_id) == EXPECTED
+    assert recorded_history(service, job_id) == expected()
     counted = store.read(
         lambda c: c.execute(select(evaluations.c.state).where(evaluations.c.job_id == job_id)).scalars().all()
     )

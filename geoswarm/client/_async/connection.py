@@ -7,7 +7,7 @@ from typing import IO, Self, TypeVar
 
 import httpx
 
-from geoswarm.client.calls import Call, authorities, connection_failed, connection_settings, error_of
+from geoswarm.client.calls import LIMITS, Call, authorities, connection_failed, connection_settings, error_of
 
 __all__ = ["AsyncConnection"]
 
@@ -35,7 +35,8 @@ class AsyncConnection:
             base_url=self.base_url,
             headers=headers,
             timeout=httpx.Timeout(timeout, connect=min(timeout, 10.0)),
-            transport=transport or httpx.AsyncHTTPTransport(verify=authorities(self.base_url), retries=1),
+            transport=transport
+            or httpx.AsyncHTTPTransport(verify=authorities(self.base_url), limits=LIMITS, retries=1),
         )
 
     async def __aenter__(self) -> Self:

@@ -8,7 +8,7 @@ from typing import IO, Self, TypeVar
 
 import httpx
 
-from geoswarm.client.calls import Call, authorities, connection_failed, connection_settings, error_of
+from geoswarm.client.calls import LIMITS, Call, authorities, connection_failed, connection_settings, error_of
 
 __all__ = ["Connection"]
 
@@ -36,7 +36,7 @@ class Connection:
             base_url=self.base_url,
             headers=headers,
             timeout=httpx.Timeout(timeout, connect=min(timeout, 10.0)),
-            transport=transport or httpx.HTTPTransport(verify=authorities(self.base_url), retries=1),
+            transport=transport or httpx.HTTPTransport(verify=authorities(self.base_url), limits=LIMITS, retries=1),
         )
 
     def __enter__(self) -> Self:

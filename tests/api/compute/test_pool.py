@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import socket
+from http.client import HTTPResponse
 from typing import Any
 
 import pytest
 
-from geoswarm.api import bind
+from geoswarm.api import ApiSettings, bind
+from geoswarm.api.compute.pool import ComputePool
 from geoswarm.api.server import build_server
 from geoswarm.workers.service.job_service import JobService
 
@@ -47,3 +50,25 @@ def test_a_service_that_nobody_asks_to_calculate_starts_no_process(
     listener = bind("127.0.0.1", 0)
     with listener:
         asyncio.run(work())
+
+
+def test_a_process_never_closes_a_connection_that_a_request_may_take(service: JobService) -> None:
+    """Its server would, after 5 s: a request that comes just then would be told that the process ended."""
+
+    async def work() -> None:
+        pool = ComputePool(service, ApiSettings())
+        process = await pool.take(None)
+        try:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
+                connection.connect(str(process._folder / "socket"))
+                connection.sendall(b"GET /health/live HTTP/1.1\r\nHost: compute\r\n\r\n")
+                answer = HTTPResponse(connection)
+                answer.begin()
+                assert (answer.status, answer.read()) == (200, b'{"status":"ok"}')
+                connection.settimeout(7.0)
+                with pytest.raises(TimeoutError):  # b"" would be its end
+                    connection.recv(1)
+        finally:
+            await pool.close()
+
+    asyncio.run(work())

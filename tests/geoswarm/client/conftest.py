@@ -9,7 +9,9 @@ import pytest
 from geoswarm import Client
 from geoswarm.api import ApiSettings
 from geoswarm.workers.hosts.engine import Engine
-from tests.api.conftest import LiveServer, live_server, small_engine
+from tests.api.conftest import LiveServer, live_server, service, settings, small_engine
+
+__all__ = ["client", "engine", "server", "service", "settings"]
 
 
 @pytest.fixture(scope="package")
