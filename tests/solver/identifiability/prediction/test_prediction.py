@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -19,7 +18,6 @@ from geoswarm.solver.identifiability import StatisticsError
 from geoswarm.solver.identifiability.prediction.bands import weighted_quantiles
 from geoswarm.solver.identifiability.prediction.draws import basins_of, draw_around, take_from
 from geoswarm.solver.identifiability.prediction.question import predict_problem, problem_of_tests
-from geoswarm.solver.identifiability.prediction.shapes import shape_of
 from geoswarm.solver.identifiability.stored.findings import findings_of
 from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.report.document.outlook_tables import prediction_table
@@ -407,14 +405,3 @@ def test_a_search_takes_a_run_as_failed_when_a_test_fails() -> None:
     evaluation = Calibration(problem, 1).evaluate(np.array([-0.5, 0.5]))
     assert evaluation.reason == "not_finite"
     assert not evaluation.responses
-
-
-def test_many_readings_take_memory_by_their_number() -> None:
-    """It was by its square: 20 GB for 50 000 readings of a logger."""
-    x = np.linspace(0.0, 9.0, 5000)
-    found = linearised(problem_of("a + b * x", {"a": free(), "b": free()}, 1.0 + 2.0 * x, x, noise=WHITE), [1.0, 2.01])
-    tracemalloc.start()
-    shape_of(found)
-    _, peak = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert peak < 50e6
