@@ -14,7 +14,6 @@ import numpy as np
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.forward.combined import parts_of
 from geoswarm.solver.laboratory.shear.triaxial import TriaxialSpec
-from geoswarm.solver.laws.hypoplasticity.shared import strength_ratio
 from geoswarm.solver.parameter_estimates.compression import CompressionReadings, compression_readings
 from geoswarm.solver.parameter_estimates.compression_curve import first_loading
 from geoswarm.solver.parameter_estimates.index import TestOfLaw
@@ -393,6 +392,8 @@ def _at_the_beginning(slope: float, soft: float, sine: float, past: float) -> fl
 
     f_d is OCR^-alpha, with alpha by lambda*, kappa* and sin(phi_c) (Masin 2013).
     """
+    from geoswarm.solver.laws.hypoplasticity.shared import strength_ratio  # loads Numba: only where clay is estimated
+
     stiff = slope
     for _ in range(3):  # alpha depends on kappa* little
         alpha = max(math.log2((soft - stiff) / (soft + stiff) * strength_ratio(sine)), 0.0)
