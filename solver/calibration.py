@@ -10,10 +10,8 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, message_of
-from geoswarm.solver.forward.base import ForwardRun
-from geoswarm.solver.forward.combined import CombinedRun
 from geoswarm.solver.objective import LeastSquares, ObservedSeries
-from geoswarm.solver.objective.outcome import ForwardOutcome, joined, outcome_of
+from geoswarm.solver.objective.outcome import Calculation, ForwardOutcome
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.search.runs import Runs
@@ -109,14 +107,7 @@ class Calibration:
             rows = np.array([self.objective.weighted_residuals(r) for r in offer.responses])
             self.offered = Runs.of(offer.parameters, rows)
         self._run = problem.model.prepare(self.grids)
-        self._parts: list[tuple[ForwardRun, LeastSquares]] = []
-        """Each part with the series that it gives, where these serve without the others."""
-        if problem.method.keeps_parts and isinstance(self._run, CombinedRun):
-            observed = self.objective.observed
-            self._parts = [
-                (run, LeastSquares([one for one in observed if one.series.partition(".")[0] == part]))
-                for part, run in self._run.parts.items()
-            ]
+        self._calculation = Calculation(self._run, self.objective.observed, keeps_parts=problem.method.keeps_parts)
 
     def make_ready(self) -> None:
         """Let the forward run load what it needs, outside any evaluation and its limits."""
@@ -135,13 +126,7 @@ class Calibration:
     def evaluate_values(self, values: Mapping[str, float]) -> Evaluation:
         """Run the forward calculation for values of all parameters by name."""
         parameters = np.array([values[name] for name in self.free_names], dtype=np.float64)
-        return self.judged(parameters, self._outcome(values))
-
-    def _outcome(self, values: Mapping[str, float]) -> ForwardOutcome:
-        """Run the forward calculation; part by part where the series of each serve without the others."""
-        if not self._parts:
-            return outcome_of(self._run, values, self.objective.responses)
-        return joined([outcome_of(run, values, series.responses) for run, series in self._parts])
+        return self.judged(parameters, self._calculation.outcome(values))
 
     def judged(self, parameters: FloatArray, outcome: ForwardOutcome) -> Evaluation:
         """Return the evaluation for a forward calculation, wherever it ran: its misfits and objective.

@@ -90,7 +90,8 @@ class AgentLease(BaseModel):
     job: str
     frame: str = Field(description="name of the part that all runs of the job share")
     shared: dict[str, Any] | None = Field(
-        description="the shared part itself: forward_model, points (x of each series), inputs, limits; null: it has it"
+        description="the shared part itself: forward_model, points (x of each series), inputs, limits, keeps_parts; "
+        "null: it has it"
     )
     runs: list[LeasedRun]
     typical: float | None = Field(description="seconds that a run usually takes")
@@ -108,7 +109,10 @@ class BroughtRun(_Sent):
     particle: Count
     attempt: Count
     responses: dict[Annotated[str, Field(max_length=500)], list[float]] = Field(
-        {}, max_length=1000, description="values of each series at its points, base units; empty when it failed"
+        {},
+        max_length=1000,
+        description="values of each series at its points, base units; when it failed, those of the parts that "
+        "succeeded, where the job keeps_parts",
     )
     reason: FailureReason | None = Field(None, description="kind of failure; null: it succeeded")
     message: str | None = Field(None, max_length=20_000, description="what happened, or a note")

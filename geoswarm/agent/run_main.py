@@ -17,11 +17,11 @@ import numpy as np
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import in_words
-from geoswarm.solver.forward.base import ForwardModelSpec, ForwardRun
+from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.formula import FormulaModel
 from geoswarm.solver.forward.registry import built, parse_spec
-from geoswarm.solver.objective import LeastSquares, ObservedSeries
-from geoswarm.solver.objective.outcome import ForwardOutcome, outcome_of
+from geoswarm.solver.objective import ObservedSeries
+from geoswarm.solver.objective.outcome import Calculation, ForwardOutcome
 from geoswarm.solver.system.activity import listen
 from geoswarm.solver.system.processes import adopt_orphans, child_program, die_with_parent, go_first_without_memory
 from geoswarm.solver.warm import compile_for
@@ -69,14 +69,13 @@ class _Runner:
         self._answers, self._log = answers, log
         self._lock = threading.Lock()
         self._spec: ForwardModelSpec | None = None
-        self._run: ForwardRun | None = None
+        self._calculation: Calculation | None = None
         self._why = "no forward model was loaded"
-        self._checked = LeastSquares(()).responses
         self._threads = threading.active_count()
 
     def load(self, shared: Mapping[str, Any]) -> None:
         """Build the forward model of a job, and have its kernels compiled: no run's limit counts that."""
-        self._run = None
+        self._calculation = None
         try:
             spec = parse_spec(shared["forward_model"])
             if spec.runs_programs:
@@ -89,17 +88,17 @@ class _Runner:
                 model = model.with_inputs(inputs)
             # What is observed is not known here: only how many numbers a series must have.
             blank = [ObservedSeries(name, x, np.zeros(x.shape), np.ones(x.shape), 1.0) for name, x in points.items()]
-            self._checked = LeastSquares(blank).responses
             compile_for(spec)
             run = model.prepare(points)
             make_ready = getattr(run, "make_ready", None)
             if make_ready is not None:
                 make_ready()
-            self._run = run
+            # A service of an earlier version does not say whether parts are kept.
+            self._calculation = Calculation(run, blank, keeps_parts=bool(shared.get("keeps_parts")))
         except BaseException as error:  # noqa: BLE001  anybody's code
             self._why = f"the problem cannot be built here: it raised {in_words(error)}"[:LOG_TAIL]
         self._threads = threading.active_count()  # what a built model keeps stays
-        self._tell({"loaded": self._run is not None})
+        self._tell({"loaded": self._calculation is not None})
 
     def run(self, runs: list[tuple[int, dict[str, float]]]) -> None:
         """Make runs in order; the last answer says whether the next ones should have a process of their own."""
@@ -115,10 +114,10 @@ class _Runner:
         self._tell({"over": True, "renew": left})
 
     def _outcome(self, values: Mapping[str, float]) -> ForwardOutcome:
-        if self._run is None:
+        if self._calculation is None:
             return ForwardOutcome({}, "bad_output", self._why, 0.0)
         try:
-            return outcome_of(self._run, values, self._checked)
+            return self._calculation.outcome(values)
         except BaseException as error:  # noqa: BLE001  a forward model may raise anything; Ctrl-C does not come here
             if isinstance(error, SystemExit) and isinstance(error.code, int | str | None):
                 told = f"the forward model ended the program (sys.exit({error.code!r}))"

@@ -260,6 +260,7 @@ class Dependence:
 class ParameterWithoutTests:
     """One parameter without each of the tests."""
 
+    value: float | None = described("with all tests", default=None)
     values: dict[str, float | None] = described("by the test left out; null where the others do not determine it")
     interval: tuple[float, float] | None = described("95 %, each test as one piece of information (jackknife)")
     pulls: str | None = described("the test without which it moves farthest")

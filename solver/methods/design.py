@@ -60,6 +60,7 @@ class DesignMethod(GivenPointsMethod):
     """The optimum of each basin and draws around it, and beside each centre two places along each parameter."""
 
     title: ClassVar[str] = "choice of further tests"
+    keeps_parts: ClassVar[bool] = True
 
     kind: Literal["design"] = "design"
     points: dict[str, list[float]] = Field(min_length=1, description="values of each free parameter")

@@ -12,9 +12,11 @@ import numpy.typing as npt
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.errors import ForwardError, in_words, message_of
 from geoswarm.solver.forward.base import ForwardRun, NotedResponse
+from geoswarm.solver.forward.combined import CombinedRun
+from geoswarm.solver.objective.least_squares import LeastSquares, ObservedSeries
 from geoswarm.solver.system.activity import counting
 
-__all__ = ["ForwardOutcome", "joined", "outcome_of"]
+__all__ = ["Calculation", "ForwardOutcome"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,7 @@ class ForwardOutcome:
     ----------
     responses
         Calculated values of each series at its points, shape (m_g,), base units. When it failed, of the parts that
-        :func:`joined` has kept.
+        a :class:`Calculation` has kept.
     reason, message
         Kind of failure and what happened; of a success a note, or None.
     seconds
@@ -38,20 +40,35 @@ class ForwardOutcome:
     seconds: float
 
 
-def outcome_of(
+class Calculation:
+    """A prepared forward run with the series that it gives.
+
+    Parameters
+    ----------
+    observed
+        The series.
+    keeps_parts
+        Whether a combined run of which a part fails keeps the series of the others.
+    """
+
+    def __init__(self, run: ForwardRun, observed: Sequence[ObservedSeries], *, keeps_parts: bool) -> None:
+        self._parts = [(run, LeastSquares(observed))]
+        if keeps_parts and isinstance(run, CombinedRun):
+            self._parts = [
+                (calculate, LeastSquares([one for one in observed if one.series.partition(".")[0] == part]))
+                for part, calculate in run.parts.items()
+            ]
+
+    def outcome(self, values: Mapping[str, float]) -> ForwardOutcome:
+        """Run it for all parameters by name; never raises for a run that fails."""
+        return _joined([_outcome_of(run, values, series.responses) for run, series in self._parts])
+
+
+def _outcome_of(
     run: ForwardRun,
     values: Mapping[str, float],
     checked: Callable[[Mapping[str, npt.ArrayLike]], dict[str, FloatArray]],
 ) -> ForwardOutcome:
-    """Run a forward calculation; never raises for one that fails.
-
-    Parameters
-    ----------
-    values
-        All parameters by name.
-    checked
-        Returns the response in arrays of its own, or raises ForwardError for what is not a response.
-    """
     began = time.perf_counter()
     with counting() as waited:
         try:
@@ -70,8 +87,10 @@ def outcome_of(
     return ForwardOutcome({}, reason, message, time.perf_counter() - began - waited.seconds)
 
 
-def joined(parts: Sequence[ForwardOutcome]) -> ForwardOutcome:
-    """Return the outcome of a calculation from those of its parts: failed where one is, with what the others gave."""
+def _joined(parts: Sequence[ForwardOutcome]) -> ForwardOutcome:
+    """The outcome of a calculation from those of its parts: failed where one is, with what the others gave."""
+    if len(parts) == 1:
+        return parts[0]
     failed = [part for part in parts if part.reason is not None]
     return ForwardOutcome(
         {series: values for part in parts for series, values in part.responses.items()},

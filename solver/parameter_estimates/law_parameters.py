@@ -1,4 +1,4 @@
-"""Parameters that follow from several others: of hypoplastic sand, moduli of hardening soil at p_ref, N of clays."""
+"""Parameters that follow from several others: of hypoplastic sand and clay, moduli of hardening soil at p_ref, N."""
 
 from __future__ import annotations
 
@@ -32,6 +32,7 @@ __all__ = [
     "normal_volume_of",
     "reference_modulus_of",
     "stiffness_exponent",
+    "swelling_slope_of",
 ]
 
 _FEWEST = 4
@@ -221,6 +222,7 @@ _REFERENCE = 100.0
 _USUAL_POISSON = 0.3
 _USUAL_UNLOADING = 0.2
 """Poisson's ratio of unloading that the law takes where none is given."""
+_USUAL_ANGLE_OF_CLAY = 25.0
 _VIRGIN = 0.9
 """Least Eoed_ref of the steps of first loading over that of others which are virgin, too."""
 
@@ -297,17 +299,22 @@ def _unloading_modulus(steps: Sequence[_Step], known: Mapping[str, float], confi
     """Eur_ref of steps of unloading; nan where none is elastic."""
     nu = known.get("nu_ur", _USUAL_UNLOADING)
     sine = math.sin(math.radians(known.get("phi", _USUAL_ANGLE)))
-    at_rest, most, slope = known.get("K0nc", 1.0 - sine), (1.0 + sine) / (1.0 - sine), nu / (1.0 - nu)
+    at_rest, most = known.get("K0nc", 1.0 - sine), (1.0 + sine) / (1.0 - sine)
     factor = (1.0 + nu) * (1.0 - 2.0 * nu) / nu if confined else 3.0 * (1.0 - 2.0 * nu)
     found = []
     for step in steps:
         before, after = step.before, step.after
         if confined:
-            before, after = (at_rest * step.largest - slope * (step.largest - stress) for stress in (before, after))
+            before, after = (_horizontal(step.largest, stress, at_rest, nu) for stress in (before, after))
             if not 0.0 < after < most * step.after:
                 continue
         found.append(factor * _reference_change(before, after, m, known) / step.strain)
     return float(np.median(found)) if found else math.nan
+
+
+def _horizontal(largest: float, stress: float, at_rest: float, nu: float) -> float:
+    """Horizontal stress of an oedometer unloaded from the largest load [kPa], elastic with Poisson's ratio nu."""
+    return at_rest * largest - nu / (1.0 - nu) * (largest - stress)
 
 
 def _reference_change(a: float, b: float, m: float, known: Mapping[str, float]) -> float:
@@ -347,6 +354,52 @@ def normal_volume_of(problem: Problem, test: TestOfLaw, known: Mapping[str, floa
             logarithm, e = first_loading(read.stress, read.y)
             found = evaluate(test, known, 10.0 ** float(logarithm[-1]), float(e[-1]))
             yield "N", Estimate.read(found, f"largest load of first loading, {how}")
+
+
+def swelling_slope_of(problem: Problem, test: TestOfLaw, known: Mapping[str, float]) -> Iterator[tuple[str, Estimate]]:
+    """kappa* of hypoplastic clay: -d ln(1 + e)/d ln(p) where unloading from the largest load begins (Masin 2013).
+
+    The first step of unloading counts alone. The slope of the law grows along it, which is taken off where lambda*
+    is among ``known``. The horizontal stress of an oedometer falls elastically from that at rest, K0 = 1 - sin(phi_c),
+    with nu; usual ones where none are known.
+    """
+    for load_test in load_tests(problem):
+        read = compression_readings(problem, load_test) if load_test.part == test.part else None
+        if read is None or (at := int(np.argmax(read.stress[::-1]))) == 0:
+            continue
+        last = read.stress.size - 1 - at
+        before, after = read.stress[last : last + 2].tolist()
+        nu = known.get("nu", _USUAL_POISSON)
+        sine = math.sin(math.radians(known.get("phi_c", _USUAL_ANGLE_OF_CLAY)))
+        p_before, p_after = before, after
+        if test.confined:
+            p_before, p_after = (
+                (stress + 2.0 * _horizontal(before, stress, 1.0 - sine, nu)) / 3.0 for stress in (before, after)
+            )
+        heave = float(np.log1p(read.y[last + 1]) - np.log1p(read.y[last]))
+        if heave > 0.0 and 0.0 < p_after < p_before:
+            how = f"{_of(test.part)}unloading from {before:.4g} to {after:.4g} kPa, ln(1 + e) over ln(p′); Mašín (2013)"
+            slope = heave / math.log(p_before / p_after)
+            soft = known.get("lambda_star", 0.0)
+            if slope < soft:
+                over = 0.5 * (1.0 - slope / soft)  # in the middle of the step; swelling takes from it
+                slope = _at_the_beginning(slope, soft, sine, (p_before / p_after) ** over)
+            yield "kappa_star", Estimate.read(slope, how)
+
+
+def _at_the_beginning(slope: float, soft: float, sine: float, past: float) -> float:
+    """Slope of unloading at OCR 1 by that at an OCR: 2/slope = 1/lambda* + 1/kappa* + (1/kappa* - 1/lambda*) f_d there.
+
+    f_d is OCR^-alpha, with alpha by lambda*, kappa* and sin(phi_c) (Masin 2013).
+    """
+    from geoswarm.solver.laws.hypoplasticity.shared import strength_ratio  # loads Numba: only where clay is estimated
+
+    stiff = slope
+    for _ in range(3):  # alpha depends on kappa* little
+        alpha = max(math.log2((soft - stiff) / (soft + stiff) * strength_ratio(sine)), 0.0)
+        density = past**-alpha
+        stiff = 0.5 * (1.0 + density) / (1.0 / slope - 0.5 * (1.0 - density) / soft)
+    return stiff
 
 
 def _normal_logarithm(test: TestOfLaw, known: Mapping[str, float], stress: float, e: float) -> float:

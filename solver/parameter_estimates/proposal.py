@@ -35,6 +35,7 @@ from geoswarm.solver.parameter_estimates.law_parameters import (
     hardness_of,
     normal_volume_of,
     reference_modulus_of,
+    swelling_slope_of,
 )
 from geoswarm.solver.parameter_estimates.values import ClassicalValue, Estimate
 from geoswarm.solver.parameter_info import ParameterInfo
@@ -193,6 +194,8 @@ def candidates_of(problem: Problem) -> dict[str, list[Estimate]]:
             without.append(test)
         if "N" in problem.parameters and "N" in test.parameters:
             _gather(found, problem, test, normal_volume_of(problem, test, _known(problem, test, found)))
+        if {"kappa_star", "N"} <= set(test.parameters):
+            _gather(found, problem, test, swelling_slope_of(problem, test, _known(problem, test, found)))
     for test in compressed:
         _gather(found, problem, test, compression_moduli_of(problem, test, _known(problem, test, found)))
     for test in without:

@@ -31,7 +31,7 @@ from geoswarm.solver.identifiability.worth.question import MOST_DRAWS, design_pr
 from geoswarm.solver.methods.design import Criterion
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.report.document.build import Report
-from geoswarm.solver.words import per_cent
+from geoswarm.solver.words import listed, per_cent
 
 __all__ = [
     "DEFAULT_DRAWS",
@@ -308,8 +308,8 @@ def _said(known: Known, sample: ParameterSample | None) -> list[str]:
         )
     widest = found.widest
     if found.dependence and widest > 1.0:
-        why = " and ".join(dict.fromkeys(_WIDER[one.kind] for one in found.dependence))
-        said.append(f"{why}, so the parameters scatter {widest:.2g} times as widely, as their intervals")
+        why = listed(list(dict.fromkeys(_WIDER[one.kind] for one in found.dependence)))
+        said.append(f"the parameters scatter {widest:.2g} times as widely, as their intervals do, because {why}")
     if not found.at_optimum and found.far is not None:
         said.append(f"the search had not reached the minimum: it is {found.far:.1f} standard errors away")
     said += [f"{name} lies on its {side} bound: its distribution is cut there" for name, side in found.held]

@@ -180,14 +180,15 @@ def _result(
 ) -> CalibrationResult:
     best = after.best
     error = None
-    if best is None:
+    serves = best is not None or any(r.evaluation.responses for r in history)  # a prediction keeps parts of failed runs
+    if not serves:
         reasons = Counter(r.evaluation.reason for r in history if r.evaluation.reason is not None)
         error = no_success_message(reasons, history[0].evaluation.message)
     found = next(
         (r.evaluation for r in history if best and (r.generation, r.particle) == (best.generation, best.particle)), None
     )
     return CalibrationResult(
-        state=("finished" if stop_reasons else "running") if best else "failed",
+        state=("finished" if stop_reasons else "running") if serves else "failed",
         stop_reasons=stop_reasons,
         objective=best.objective if best else None,
         parameters=problem.values(best.parameters.tolist()) if best else None,

@@ -274,11 +274,9 @@ def test_a_prediction_has_the_textbook_band(examined: tuple[App, str, str], engi
     assert "Prediction: later" in page
 
 
-def test_a_draw_whose_one_test_fails_keeps_the_others(examined: tuple[App, str, str], engine: Engine) -> None:
-    app, job, _ = examined
-    middle = np.linalg.lstsq(np.stack([np.ones_like(X), X], axis=1), Y, rcond=None)[0][0]
-    series = {"sound": "a + b * x", "fragile": f"ln(a - {middle - 1e-3})"}
-    other = {
+def two_tests(fragile: str) -> dict[str, Any]:
+    series = {"sound": "a + b * x", "fragile": fragile}
+    return {
         "name": "two tests",
         "forward_model": {
             "kind": "combined",
@@ -286,6 +284,36 @@ def test_a_draw_whose_one_test_fails_keeps_the_others(examined: tuple[App, str, 
         },
         "observations": [{"series": f"{name}.y", "points": {"x": [3.0]}} for name in series],
     }
+
+
+def test_a_test_that_fails_in_every_draw_leaves_the_band_of_the_other(
+    examined: tuple[App, str, str], engine: Engine
+) -> None:
+    """The job had failed; `geoswarm predict` gave the band."""
+    app, job, _ = examined
+    other = two_tests("ln(-1 - a**2)")
+    follow_up = app.post(f"{API}/jobs/{job}/predict", json={"problem": other, "runs": 60}).json()["id"]
+    ended = wait_for_end(engine.service, follow_up)
+    assert (ended.state, ended.error, ended.objective) == ("finished", None, None)
+    (found,) = app.get(f"{API}/jobs/{follow_up}/uncertainty").json()["predictions"]
+    assert [one["series"] for one in found["series"]] == ["sound.y"]
+    assert "Fragile.y: no band, which needs 10 successful runs." in found["remarks"]
+    question = parse_problem(app.get(f"{API}/jobs/{follow_up}/problem").json())
+    result = calibrate(question)
+    assert (result.state, result.error) == ("finished", None)
+    history = [record.evaluation for record in result.history]
+    assert findings_of(question, 0, history).predictions[0].to_json() == found
+    page = app.get(f"{API}/jobs/{follow_up}/report.html")
+    assert "Prediction: two tests" in page.text
+    lost = two_tests("ln(-1 - a**2)") | {"observations": [{"series": "fragile.y", "points": {"x": [3.0]}}]}
+    follow_up = app.post(f"{API}/jobs/{job}/predict", json={"problem": lost, "runs": 20}).json()["id"]
+    assert wait_for_end(engine.service, follow_up).state == "failed"
+
+
+def test_a_draw_whose_one_test_fails_keeps_the_others(examined: tuple[App, str, str], engine: Engine) -> None:
+    app, job, _ = examined
+    middle = np.linalg.lstsq(np.stack([np.ones_like(X), X], axis=1), Y, rcond=None)[0][0]
+    other = two_tests(f"ln(a - {middle - 1e-3})")
     follow_up = app.post(f"{API}/jobs/{job}/predict", json={"problem": other, "runs": 60}).json()["id"]
     assert wait_for_end(engine.service, follow_up).state == "finished"
     (found,) = app.get(f"{API}/jobs/{follow_up}/uncertainty").json()["predictions"]

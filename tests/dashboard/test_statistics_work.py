@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from playwright.sync_api import Page, Request, Route, expect
 
-from tests.api.conftest import line_problem
+from tests.api.conftest import line_problem, wait_for_end
+from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Site
 from tests.dashboard.test_statistics import Visit, ended, job, page, slide
 
@@ -99,7 +101,56 @@ def test_the_values_without_each_test_say_which_one_pulls(embedded: Site, visit:
     )
     page, _ = visit(embedded, f"/jobs/{ended(embedded.service, document)}/statistics")
     rows = page.get_by_role("region", name="Values without each test").locator("tbody tr")
-    expect(rows).to_have_count(5)
-    expect(rows.nth(2)).to_contain_text("without third")
-    expect(rows.nth(2).locator("td").nth(1)).to_have_text("2")  # the line through the other two
-    expect(rows.nth(4).locator("td").nth(1)).to_have_text("third")
+    expect(rows).to_have_count(6)
+    expect(rows.nth(0)).to_contain_text("all tests")
+    expect(rows.nth(0).locator("td").nth(1)).to_have_text(re.compile(r"^2\.16"))
+    expect(rows.nth(3)).to_contain_text("without third")
+    expect(rows.nth(3).locator("td").nth(1)).to_have_text("2")  # the line through the other two
+    expect(rows.nth(5).locator("td").nth(1)).to_have_text("third")
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_a_prediction_says_test_by_test_how_close_it_comes_to_what_was_measured(
+    embedded: Site, visit: Visit, count: int
+) -> None:
+    """Also of tests beside one that failed in every draw; the curves of many tests are drawn once asked for."""
+    readings = {"x": [0, 1, 2, 3, 4, 5], "y": [1.02, 2.95, 5.03, 6.99, 9.04, 10.97]}
+    document = line_problem(observations=[{"series": "y", "points": readings}], answer={})
+    job = ended(embedded.service, document)
+    further = {"x": [6, 7, 8, 9], "y": [13.0, 15.1, 16.9, 19.5]}
+    parts = {f"T{k}": {"kind": "formula", "series": {"y": "a + b * x"}} for k in range(count)}
+    asked = {
+        "name": "further tests",
+        "forward_model": {
+            "kind": "combined",
+            "parts": parts | {"never": {"kind": "formula", "series": {"y": "ln(-1 - a**2)"}}},
+        },
+        "observations": [{"series": f"{name}.y", "points": further} for name in (*parts, "never")],
+    }
+    page, _ = visit(embedded, f"/jobs/{job}/statistics")
+    path = f"{embedded.url}/api/v1/jobs/{job}/predict"
+    follow_up = page.request.post(path, data={"problem": asked, "runs": 40}).json()["id"]
+    assert wait_for_end(embedded.service, follow_up).state == "finished"
+    page, _ = visit(embedded, f"/jobs/{follow_up}/statistics")
+    (found,) = page.request.get(f"{embedded.url}/api/v1/jobs/{follow_up}/uncertainty").json()["predictions"]
+    outlook = page.locator("#outlook")
+    expect(outlook).to_contain_text("Never.y: no band, which needs 10 successful runs.")
+    expect(outlook.locator("section")).to_have_count(count)
+    first, close = outlook.get_by_role("region", name="T0"), found["series"][0]["closeness"]
+    expect(first.locator("li")).to_have_count(1)
+    base = page.locator("body").get_attribute("data-static")
+    shown = "async ([base, value]) => (await import(base + '/js/format.js')).number(value, 3)"
+    largest = page.evaluate(shown, [base, close["largest"]])
+    expect(first.locator("li")).to_contain_text(
+        f"at most {largest}; {found['series'][0]['inside']} of 4 measured points"
+    )
+    if count > 3:
+        expect(outlook.locator(".js-plotly-plot")).to_have_count(0)
+        first.locator("summary").first.click()
+    expect(first.locator(".js-plotly-plot .legendtext")).to_have_text(["measured", "median", "90 % band"])
+    check_accessibility(page)
+    page, _ = visit(embedded, f"/jobs/{follow_up}")
+    expect(page.locator("h1")).to_contain_text("finished")
+    expect(page.get_by_role("link", name="What it found")).to_be_visible()
+    expect(page.locator(".result .panel:visible")).to_have_count(0)
+    expect(page.get_by_text("around an optimum")).to_have_count(0)

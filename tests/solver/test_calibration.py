@@ -11,6 +11,7 @@ from geoswarm.solver.calibration import Calibration, choose_seed
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.methods.particle_swarm import ParticleSwarmMethod, swarm_settings
+from geoswarm.solver.objective.outcome import Calculation
 from geoswarm.solver.progress.state import Progress
 from tests.solver.problems import decay_problem
 
@@ -51,7 +52,8 @@ def test_whatever_a_forward_model_raises_is_a_failed_evaluation(
     def broken(_: Mapping[str, float]) -> dict[str, FloatArray]:
         raise raised
 
-    monkeypatch.setattr(calibration, "_run", broken)
+    calculation = Calculation(broken, calibration.objective.observed, keeps_parts=False)
+    monkeypatch.setattr(calibration, "_calculation", calculation)
     evaluation = calibration.evaluate(np.array([1.0, 0.1]))
     assert evaluation.reason == reason
     assert evaluation.message is not None

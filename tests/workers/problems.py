@@ -10,7 +10,7 @@ from geoswarm.solver.problem import Problem, parse_problem
 from geoswarm.solver.runs.local import calibrate
 from geoswarm.workers.service.job_service import JobService
 
-__all__ = ["History", "expected_history", "line", "recorded_history"]
+__all__ = ["History", "expected_history", "line", "predicted_tests", "recorded_history"]
 
 History = list[tuple[int, int, tuple[float, ...], float | None, dict[str, float], dict[str, list[float]]]]
 
@@ -28,6 +28,29 @@ def line(**changes: Any) -> Problem:
         "seed": 7,
     }
     return parse_problem(document | changes)
+
+
+def predicted_tests(fragile: str) -> Problem:
+    """A prediction of two tests by twelve draws, one of them by an expression that may fail."""
+    formulas = {"sound": "a * x + b", "fragile": fragile}
+    draws = [0.1 * k for k in range(12)]
+    return line(
+        forward_model={
+            "kind": "combined",
+            "parts": {name: {"kind": "formula", "series": {"y": formula}} for name, formula in formulas.items()},
+        },
+        observations=[{"series": f"{name}.y", "points": {"x": [1, 2], "y": [0, 0]}} for name in formulas],
+        method={
+            "kind": "predict",
+            "points": {"a": [1.0, *draws], "b": [0.0, *draws]},
+            "shares": [1.0],
+            "weights": [1.0] * 12,
+            "basins": [0] * 12,
+            "noise_factors": [1.0] * 12,
+            "unmeasured": [f"{name}.y" for name in formulas],
+        },
+        stopping={},
+    )
 
 
 def expected_history(problem: Problem) -> History:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,8 @@ import pytest
 
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.forward.registry import built, parse_spec
+from geoswarm.solver.objective import ObservedSeries
+from geoswarm.solver.objective.outcome import Calculation
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.access.keys import ApiKeys
@@ -24,13 +28,15 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.waker import NoWaker
 from tests.workers.conftest import ON_SQLITE, MakeWorker
-from tests.workers.problems import expected_history, line, recorded_history
+from tests.workers.problems import expected_history, line, predicted_tests, recorded_history
 
 SHORT = line(stopping={"max_evaluations": 60})
 
 
 class ByHand:
     """An agent whose every step is told: it calculates from what it was leased alone."""
+
+    keeps_parts = True  # agents of earlier versions do not
 
     def __init__(self, desk: AgentDesk, name: str = "hand", key: str = "", kinds: Sequence[str] = ("formula",)) -> None:
         self.desk, self.name, self.key = desk, name, key
@@ -48,17 +54,27 @@ class ByHand:
         assert grant.shared is not None
         points = {name: np.array(x) for name, x in grant.shared["points"].items()}
         run = built(parse_spec(grant.shared["forward_model"])).prepare(points)
+        series = [ObservedSeries(name, x, np.zeros(x.shape), np.ones(x.shape), 1.0) for name, x in points.items()]
+        calculation = Calculation(run, series, keeps_parts=self.keeps_parts and grant.shared["keeps_parts"])
         brought = []
         for one in grant.runs:
-            responses = {name: values.tolist() for name, values in run(one.values).items()}
+            found = calculation.outcome(one.values)
+            responses = {name: values.tolist() for name, values in found.responses.items()}
             brought.append(
-                BroughtRun(one.particle, one.attempt, responses, None, None, None, 0.01, began=0.0, ended=0.01)
+                BroughtRun(one.particle, one.attempt, responses, found.reason, found.message, None, 0.01, 0.0, 0.01)
             )
         return brought
 
     def bring(self, grant: Grant, runs: Sequence[BroughtRun] | None = None, slot: int | None = None) -> Any:
         wanted = None if slot is None else Wanted(self.name, slot, 100)
         return self.desk.submit(self.key, grant.id, self.made(grant) if runs is None else runs, None, wanted)
+
+    def work(self) -> None:
+        grant = self.lease()
+        assert grant is not None
+        while grant is not None:
+            taken, grant = self.bring(grant, slot=0)
+            assert taken
 
 
 @pytest.fixture
@@ -72,12 +88,56 @@ def submitted(service: JobService, problem: Problem = SHORT) -> str:
 
 def test_an_agent_alone_makes_the_same_history(desk: AgentDesk, service: JobService) -> None:
     job_id, agent = submitted(service), ByHand(desk)
-    grant = agent.lease()
-    while grant is not None:
-        taken, grant = agent.bring(grant, slot=0)
-        assert taken
+    agent.work()
     assert service.get(job_id).state == "finished"
     assert recorded_history(service, job_id) == expected_history(SHORT)
+
+
+@pytest.mark.parametrize("fragile", ["a + ln(b - 0.35)", "ln(-1 - b**2)"], ids=["in some", "in all"])
+def test_draws_of_which_one_test_fails_are_the_same_from_agents_and_workers(
+    desk: AgentDesk, service: JobService, make_worker: MakeWorker, fragile: str
+) -> None:
+    """Agents kept nothing of such a draw; and a job with a test that failed in every draw had failed."""
+    problem = predicted_tests(fragile)
+    expected = expected_history(problem)
+    assert {"sound.y"} in [set(responses) for *_, responses in expected]
+    by_worker, agent = submitted(service, problem), ByHand(desk, kinds=("combined", "formula"))
+    worker = make_worker()
+    worker.start()
+    worker.serve(by_worker)
+    worker.close()
+    by_agent = submitted(service, problem)
+    agent.work()
+    for job_id in (by_worker, by_agent):
+        job = service.get(job_id)
+        assert (job.state, job.error, job.failed_evaluations) == ("finished", None, 13 if "-1" in fragile else 5)
+        assert recorded_history(service, job_id) == expected
+
+
+@ON_SQLITE
+def test_an_agent_that_brings_nothing_of_a_failed_draw(desk: AgentDesk, service: JobService) -> None:
+    job_id, agent = submitted(service, predicted_tests("a + ln(b - 0.35)")), ByHand(desk, kinds=("combined", "formula"))
+    agent.keeps_parts = False
+    agent.work()
+    assert service.get(job_id).state == "finished"
+    assert [len(responses) for *_, responses in recorded_history(service, job_id)] == [0] * 5 + [2] * 8
+    other = submitted(service, predicted_tests("ln(-1 - b**2)"))
+    agent.work()
+    assert service.get(other).state == "failed"
+
+
+@ON_SQLITE
+@pytest.mark.parametrize("wrong", [{"sound.y": [1.0]}, {"sound.y": [1.0, math.nan]}, {"other.y": [1.0, 2.0]}])
+def test_wrong_responses_of_a_failed_draw_are_left_out(
+    desk: AgentDesk, service: JobService, wrong: dict[str, list[float]]
+) -> None:
+    job_id, agent = submitted(service, predicted_tests("a")), ByHand(desk, kinds=("combined", "formula"))
+    grant = agent.lease()
+    assert grant is not None
+    first, *others = agent.made(grant)
+    agent.bring(grant, [replace(first, responses=wrong, reason="diverged", message="it says so"), *others])
+    found = service.evaluation(job_id, 0, 0)
+    assert (found.reason, found.message, found.responses) == ("diverged", "it says so", None)
 
 
 def test_agents_and_workers_mixed_make_the_same_history(
@@ -109,7 +169,7 @@ def test_an_agent_sees_parameters_and_points_only(desk: AgentDesk, service: JobS
     assert grant is not None
     assert grant.shared is not None
     assert grant.job == job_id
-    assert set(grant.shared) == {"forward_model", "points", "inputs", "limits"}
+    assert set(grant.shared) == {"forward_model", "points", "inputs", "limits", "keeps_parts"}
     assert grant.shared["points"] == {"y": [0.0, 1.0]}
     assert set(grant.runs[0].values) == {"a", "b"}
     told = json.dumps([grant.shared, [dict(run.values) for run in grant.runs]])

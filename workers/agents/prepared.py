@@ -93,7 +93,8 @@ def frame_of(problem: Problem, settings: Settings) -> tuple[str, dict[str, Any]]
     """Return what all runs of a problem share, and a name for it: no measurement, no name, no owner.
 
     ``forward_model`` is its section, ``points`` are the x of each series in base units, ``inputs`` what a formula is
-    given besides at these points, ``limits`` those of a run.
+    given besides at these points, ``limits`` those of a run, ``keeps_parts`` whether a failed run brings the series of
+    the parts that succeeded.
     """
     limits = limits_of(problem, settings)
     shared = {
@@ -105,6 +106,7 @@ def frame_of(problem: Problem, settings: Settings) -> tuple[str, dict[str, Any]]
             if observation.inputs
         },
         "limits": {"seconds": limits.seconds, "memory_mb": limits.memory_mb, "of_time": limits.of_time},
+        "keeps_parts": problem.method.keeps_parts,
     }
     text = json.dumps(shared, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:32], shared

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.errors import ForwardError, message_of
+from geoswarm.solver.objective import LeastSquares
 from geoswarm.solver.objective.outcome import ForwardOutcome
 
 __all__ = ["Announcement", "BroughtRun", "Grant", "Run", "Terms", "Wanted", "evaluation_of"]
@@ -109,7 +111,10 @@ class Grant:
 
 @dataclass(frozen=True, slots=True)
 class BroughtRun:
-    """What came of a run; ``began``, ``ended``: by the agent's clock, since it was given the lease [s]."""
+    """What came of a run; ``began``, ``ended``: by the agent's clock, since it was given the lease [s].
+
+    A failed one may have the responses of parts that succeeded; an agent of an earlier version sends none.
+    """
 
     particle: int
     attempt: int
@@ -127,11 +132,15 @@ def evaluation_of(calibration: Calibration, run: BroughtRun, *, refused: bool) -
     nowhere = np.empty(0)
     if refused:
         return Evaluation(nowhere, None, {}, {}, "infeasible", "the constraints are not satisfied there", 0.0)
-    outcome = ForwardOutcome({}, run.reason, run.message, run.seconds)
-    if run.reason is None:
-        try:
-            found = {name: np.array(values, dtype=np.float64) for name, values in run.responses.items()}
-            outcome = ForwardOutcome(calibration.objective.responses(found), None, run.message, run.seconds)
-        except ForwardError as error:
-            outcome = ForwardOutcome({}, error.reason, message_of(error), run.seconds)
+    found: dict[str, FloatArray] = {}
+    if run.reason is None or calibration.problem.method.keeps_parts:
+        found = {name: np.array(values, dtype=np.float64) for name, values in run.responses.items()}
+    series = calibration.objective
+    if run.reason is not None:
+        series = LeastSquares([one for one in series.observed if one.series in found])
+    try:
+        outcome = ForwardOutcome(series.responses(found), run.reason, run.message, run.seconds)
+    except ForwardError as error:
+        why = (error.reason, message_of(error)) if run.reason is None else (run.reason, run.message)
+        outcome = ForwardOutcome({}, *why, run.seconds)
     return calibration.judged(nowhere, outcome)

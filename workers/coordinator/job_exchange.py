@@ -234,7 +234,7 @@ class JobExchange:
         elif self.job is None:
             raise RuntimeError(f"job {self.locked.id} has evaluations but no progress")
         else:
-            results = [Joined(objective, reason, message) for objective, reason, message, _ in counted]
+            results = [Joined(row.objective, row.reason, row.message, bool(row.kept)) for row in counted]
             seconds = self.locked.run_seconds(self.settings.lease_seconds)
             event = GenerationJoined(
                 rows.generation,

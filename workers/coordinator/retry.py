@@ -22,6 +22,7 @@ from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import no_success_message
 from geoswarm.solver.progress.state import Best, Progress
 from geoswarm.workers.errors import InvalidTransitionError, NothingToRetryError
+from geoswarm.workers.queries.evaluations import KEPT
 from geoswarm.workers.queries.jobs import LockedJob, publish_state
 from geoswarm.workers.queries.queue import REOPENED, first_place
 from geoswarm.workers.store.clock import database_now
@@ -141,8 +142,9 @@ def finish_retry(
     target = state or row.retry_to
     error = row.error
     if target == "failed":
-        target = "finished" if best else "failed"
-        error = None if best else no_success_message(reasons, first_message)
+        serves = best is not None or failures.get("kept") or _some_kept(connection, here)
+        target = "finished" if serves else "failed"
+        error = None if serves else no_success_message(reasons, first_message)
     ended = target in ENDED_STATES
     values: dict[str, Any] = {
         "state": target,
@@ -181,6 +183,10 @@ def _best(connection: Connection, here: ColumnElement[bool]) -> Best | None:
     finished = select(*columns).where(here, evaluations.c.objective.is_not(None))
     row = connection.execute(finished.order_by(*columns[:3]).limit(1)).one_or_none()
     return None if row is None else Best(row.objective, row.generation, row.particle, unpack_array(row.parameters))
+
+
+def _some_kept(connection: Connection, here: ColumnElement[bool]) -> bool:
+    return connection.scalar(select(evaluations.c.particle).where(here, KEPT).limit(1)) is not None
 
 
 def _refresh_generations(connection: Connection, locked: LockedJob) -> None:

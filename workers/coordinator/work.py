@@ -202,7 +202,7 @@ class Exchange:
 
 def joined(evaluations: Sequence[Evaluation]) -> list[Joined]:
     """Return the results of a generation in the form that the state machine needs."""
-    return [Joined(e.objective, e.reason, e.message) for e in evaluations]
+    return [Joined(e.objective, e.reason, e.message, e.reason is not None and bool(e.responses)) for e in evaluations]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,9 +8,11 @@ from sqlalchemy import (
     Connection,
     and_,
     bindparam,
+    case,
     delete,
     exists,
     func,
+    literal_column,
     or_,
     select,
     text,
@@ -27,6 +29,7 @@ from geoswarm.workers.store.statements import Statement
 from geoswarm.workers.store.tables import attempts, evaluations, jobs
 
 __all__ = [
+    "KEPT",
     "count_failed",
     "drop_generation",
     "get_evaluation",
@@ -40,8 +43,13 @@ __all__ = [
 ]
 
 ROWS_AT_ONCE = 200  # keys in one statement
+KEPT = text("evaluations.reason IS NOT NULL AND evaluations.responses IS NOT NULL")
+"""Failed, with series of parts that a prediction keeps."""
 RESULTS = Statement(
-    select(evaluations.c.objective, evaluations.c.reason, evaluations.c.message, evaluations.c.seconds)
+    select(
+        *(evaluations.c[name] for name in ("objective", "reason", "message", "seconds")),
+        case((KEPT, literal_column("1")), else_=literal_column("0")).label("kept"),
+    )
     .where(
         evaluations.c.job_id == bindparam("job_id"),
         evaluations.c.generation == bindparam("generation"),
@@ -53,7 +61,7 @@ RESULTS = Statement(
 
 
 def list_results(connection: Connection, job_id: str, generation: int, most: int = 2**31) -> Sequence[Record]:
-    """Return objective, reason, message and seconds of the first counted results of a generation, in order."""
+    """Return ``objective``, ``reason``, ``message``, ``seconds``, ``kept`` of the first counted results, in order."""
     return RESULTS.rows(connection, {"job_id": job_id, "generation": generation, "most": most})
 
 

@@ -123,6 +123,7 @@ class LockedJob:
             generations=row.generations,
             failures=Counter(failures["reasons"]),
             first_message=failures["first_message"],
+            kept=failures.get("kept", False),
             alike=failures.get("alike", -1),
             stop_reasons=tuple(unpack_json(row.stop_reasons)),
             error=row.error,
@@ -211,7 +212,12 @@ def save_job(
             "answer_evaluations": None if progress.answer is None else progress.answer.most,
             "failed_evaluations": progress.failed,
             "failures": pack_json(
-                {"reasons": dict(after.failures), "first_message": after.first_message, "alike": after.alike}
+                {
+                    "reasons": dict(after.failures),
+                    "first_message": after.first_message,
+                    "kept": after.kept,
+                    "alike": after.alike,
+                }
             ),
         }
         if typical_seconds is not None:

@@ -69,6 +69,8 @@ class JobStatus:
         Failed evaluations by reason, over finished generations.
     first_message
         Message of the first of them.
+    kept
+        Whether one of them keeps series of its parts.
     alike
         Number of runs, over finished generations, if all gave one objective, else -1.
     """
@@ -78,6 +80,7 @@ class JobStatus:
     generations: int = 0
     failures: Mapping[str, int] = field(default_factory=dict)
     first_message: str | None = None
+    kept: bool = False
     alike: int = 0
     stop_reasons: tuple[str, ...] = ()
     error: str | None = None
@@ -90,11 +93,15 @@ class JobStatus:
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """Counted result of one particle: f, or None and the reason and message of its failure."""
+    """Counted result of one particle: f, or None and the reason and message of its failure.
+
+    ``kept``: although it failed, it keeps series of its parts.
+    """
 
     objective: float | None
     reason: str | None = None
     message: str | None = None
+    kept: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,6 +292,7 @@ def _join(job: JobStatus, event: GenerationJoined, course: Course | None) -> Tra
         generations=job.generations + 1,
         failures=failures,
         first_message=job.first_message or next(messages, None),
+        kept=job.kept or any(result.kept for result in event.results),
         alike=alike,
         stop_reasons=step.stop_reasons,
     )
@@ -299,7 +307,7 @@ def _join(job: JobStatus, event: GenerationJoined, course: Course | None) -> Tra
     if not step.stop_reasons:
         return Transition(after, (*done, *_dispatch(step.progress, begun=begun), WakeWorkers()))
     after = replace(after, progress=replace(step.progress, ahead_begun=False))
-    if step.progress.best is None:
+    if step.progress.best is None and not after.kept:
         error = no_success_message(Counter(after.failures), after.first_message)
         ended = _end(replace(after, error=error), "failed")
     else:

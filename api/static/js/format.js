@@ -34,6 +34,11 @@ export function plain(name) {
   return name.replaceAll("_", " ");
 }
 
+/** The test that a series of several tests belongs to; of one test: "". */
+export function partOf(series) {
+  return series.slice(0, Math.max(series.indexOf("."), 0));
+}
+
 /** A whole number with thin spaces: 20 000. */
 export function count(value) {
   return value === null || value === undefined ? "–" : String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, "\u202f");

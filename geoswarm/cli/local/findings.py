@@ -133,15 +133,16 @@ def _show_without_tests(found: Mapping[str, Any], *, fitted: bool = False) -> No
     for parameter, row in found["parameters"].items():
         known = [value for value in row["values"].values() if value is not None]
         span = (number(min(known)), number(max(known))) if known else ("-", "-")
-        rows.append((parameter, *span, *_ends(row["interval"]), row["pulls"] or "-"))
+        rows.append((parameter, number(row["value"]), *span, *_ends(row["interval"]), row["pulls"] or "-"))
     if fitted:
         names = tuple(found["parameters"])
-        each = [
+        each = [("-", *(number(found["parameters"][name]["value"]) for name in names))]
+        each += [
             (test, *(number(found["parameters"][name]["values"][test]) for name in names)) for test in found["tests"]
         ]
         echo_table("fitted without each test", ("without", *names), each, right=tuple(range(1, len(names) + 1)))
-    columns = ("leaving out a test", "least", "largest", *interval_heading(0.95, None), "pulled most by")
-    echo_table(None, columns, rows, right=(1, 2, 3, 4))
+    columns = ("leaving out a test", "all tests", "least", "largest", *interval_heading(0.95, None), "pulled most by")
+    echo_table(None, columns, rows, right=(1, 2, 3, 4, 5))
 
 
 def _show_profiles(profiles: list[dict[str, Any]], fit: Mapping[str, Any] | None) -> None:

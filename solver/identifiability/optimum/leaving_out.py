@@ -44,8 +44,10 @@ class WithoutTests:
         Parts of the range from the optimum, shape (G, d); nan where the other tests do not determine a parameter.
     half_widths
         Of the intervals between tests, parts of the range, shape (d,); nan where one test alone determines a parameter.
+    optimum
+        Natural values with all tests, shape (d,).
     values, intervals
-        The same as natural values, shapes (G, d) and (d, 2).
+        Moves and intervals as natural values, shapes (G, d) and (d, 2).
     fitted
         By forward runs, not by linearisation.
     notes
@@ -59,6 +61,7 @@ class WithoutTests:
     level: float
     moves: FloatArray
     half_widths: FloatArray
+    optimum: FloatArray
     values: FloatArray
     intervals: FloatArray
     fitted: bool = False
@@ -82,8 +85,9 @@ class WithoutTests:
         about = moves - moves.mean(axis=0)
         deviations = np.sqrt((count - 1.0) / count * np.sum(about**2, axis=0))
         half = float(stdtrit(count - 1.0, 0.5 + level / 2.0)) * deviations
-        ends = natural(np.stack([-half, half])).T
-        return cls(names, tests, level, moves, half, natural(moves), ends, fitted, notes)
+        low, optimum, high = natural(np.stack([-half, np.zeros_like(half), half]))
+        ends = np.stack([low, high], axis=-1)
+        return cls(names, tests, level, moves, half, optimum, natural(moves), ends, fitted, notes)
 
     def pulling(self, name: str) -> str | None:
         """The test without which a parameter moves farthest; None where that is not known."""
@@ -94,11 +98,14 @@ class WithoutTests:
         """Plain JSON values; None for nan."""
         rows = {
             name: {
+                "value": value,
                 "values": {test: _known(value) for test, value in zip(self.tests, column.tolist(), strict=True)},
                 "interval": ends.tolist() if np.isfinite(ends).all() else None,
                 "pulls": self.pulling(name),
             }
-            for name, column, ends in zip(self.names, self.values.T, self.intervals, strict=True)
+            for name, value, column, ends in zip(
+                self.names, self.optimum.tolist(), self.values.T, self.intervals, strict=True
+            )
         }
         return {"tests": list(self.tests), "parameters": rows}
 

@@ -200,15 +200,13 @@ def _parameters(
                 f"is not identified by the job (it identifies {', '.join(identified)}); give its value or an expression"
             )
             issues.append(Issue(f"parameters.{name}", message + _hint(problem, name)))
+    texts = " ".join(str(section.get("expression", "")) for section in given.values() if isinstance(section, Mapping))
+    texts += " ".join(map(str, document.get("constraints") or ()))
+    wanted = set() if model is None else {info.name for info in model.parameters}
+    for name in identified:
+        if name not in parameters and (name in wanted or re.search(rf"\b{re.escape(name)}\b", texts)):
+            parameters[name] = identified_section(problem, name)
     if model is not None:
-        wanted = {info.name for info in model.parameters}
-        texts = " ".join(
-            str(section.get("expression", "")) for section in given.values() if isinstance(section, Mapping)
-        )
-        texts += " ".join(map(str, document.get("constraints") or ()))
-        for name in identified:
-            if name not in parameters and (name in wanted or re.search(rf"\b{re.escape(name)}\b", texts)):
-                parameters[name] = identified_section(problem, name)
         for info in missing_parameters(model, {*parameters, *given}):
             message = (
                 f"is needed by the forward model, and the job does not identify it ({', '.join(identified)}); give its "

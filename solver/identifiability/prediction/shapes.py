@@ -68,7 +68,8 @@ def shape_of(linearisation: Linearisation) -> Shape:
         )
     dimension = len(linearisation.names)
     rank = dimension - sum(combination.open for combination in linearisation.combinations)
-    left, singular, _ = np.linalg.svd(model.inverse, full_matrices=True)
+    # All left vectors are wanted, and never those of the readings: their square is too large for a logger's file.
+    left, singular, _ = np.linalg.svd(model.inverse, full_matrices=model.inverse.shape[1] < dimension)
     rank = min(rank, int((singular > _SINGULAR * max(float(singular.max(initial=0.0)), 1e-300)).sum()))
     scaled = model.inverse * np.sqrt(model.variances)
     if not float(np.abs(scaled).max(initial=0.0)) > 0.0 and rank:

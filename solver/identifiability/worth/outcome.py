@@ -11,7 +11,7 @@ search coordinates. Averaged over the optima of all basins and draws around them
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +21,8 @@ from scipy.special import ndtr
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
 from geoswarm.solver.identifiability.errors import StatisticsError
-from geoswarm.solver.methods.design import DesignCandidate, DesignMethod
+from geoswarm.solver.methods.design import DesignCandidate, DesignMethod, DesignPoint
+from geoswarm.solver.words import listed
 
 __all__ = ["CandidateWorth", "Design", "design_of"]
 
@@ -77,7 +78,8 @@ class Design:
     candidates
         The best first.
     basins, centres, failed
-        Sets of parameters that the data allow, places over which the worth is averaged, and failed runs.
+        Sets of parameters that the data allow, places over which the worth is averaged (at most; a candidate may fail
+        at some), and runs of which a candidate failed.
     alarm, remarks
         Why nothing of it can be relied on, and what to be careful about.
     """
@@ -131,7 +133,11 @@ class _Centre:
     weight: float
     basin: int
     values: dict[str, FloatArray]
-    slopes: dict[str, FloatArray]  # (m, d), per range
+    slopes: dict[str, FloatArray]  # (m, d), per range; of the series with sensitivities to every parameter
+
+    def has(self, candidate: DesignCandidate) -> bool:
+        """Whether the sensitivities of all its readings are there."""
+        return all(readings.series in self.slopes for readings in candidate.readings)
 
 
 def design_of(calibration: Calibration, method: DesignMethod, evaluations: Sequence[Evaluation]) -> Design:
@@ -140,31 +146,37 @@ def design_of(calibration: Calibration, method: DesignMethod, evaluations: Seque
     Raises
     ------
     StatisticsError
-        When some are missing, or the sensitivities cannot be had at a single centre.
+        When some are missing, or no candidate has sensitivities at a single centre.
     """
     if len(evaluations) < len(method.plan):
         raise StatisticsError(f"{len(evaluations)} of {len(method.plan)} evaluations are done")
     names = tuple(method.identified)
-    centres = _centres(method, evaluations, names)
-    total = sum(centre.weight for centre in centres)
-    failed = sum(run.reason is not None for run in evaluations)
-    if not centres:
-        why = next(f"{run.reason}, {run.message}" for run in evaluations if run.reason is not None)
-        raise StatisticsError(f"no sensitivities could be calculated, because runs failed: {why}")
+    wanted = method.prediction
+    centres = [c for c in _centres(method, evaluations, names) if wanted is None or c.has(wanted)]
+    failed = [run for run in evaluations if run.reason is not None]
+    such = "; ".join({run.reason: f"{run.reason}: {run.message}" for run in failed}.values())
+    usable = {candidate.name: [c for c in centres if c.has(candidate)] for candidate in method.candidates}
+    most = max(map(len, usable.values()))
+    if most == 0:
+        of = "" if centres or wanted is None else f" of {wanted.name}"
+        raise StatisticsError(f"no sensitivities{of} could be calculated, because runs failed: {such}")
     before = [np.array(covariance) for covariance in method.covariances]
     optimum = np.array([parameter.value for parameter in method.identified.values()])
-    predictions = [None if method.prediction is None else _rows(method.prediction, c)[0] for c in centres]
     found = []
     for candidate in method.candidates:
+        own = usable[candidate.name]
+        if not own:
+            continue
+        total = sum(centre.weight for centre in own)
         logs, volume, bands = np.zeros(len(names)), 0.0, 0.0
-        for centre, wanted in zip(centres, predictions, strict=True):
+        for centre in own:
             share, c0 = centre.weight / total, before[centre.basin]
             c1 = _afterwards(c0, *_rows(candidate, centre))
             logs += share * 0.5 * np.log(np.diag(c1) / np.diag(c0))
             volume += share * 0.5 * float(np.linalg.slogdet(c1)[1] - np.linalg.slogdet(c0)[1]) / len(names)
             if wanted is not None:
-                bands += share * _narrower(wanted, c0, c1)
-        predicted = None if method.prediction is None else 1.0 - float(np.exp(bands))
+                bands += share * _narrower(_rows(wanted, centre)[0], c0, c1)
+        predicted = None if wanted is None else 1.0 - float(np.exp(bands))
         gain = {"widths": -float(logs.mean()), "volume": -volume, "prediction": -bands}[method.criterion]
         found.append(
             CandidateWorth(
@@ -176,51 +188,80 @@ def design_of(calibration: Calibration, method: DesignMethod, evaluations: Seque
                 1.0 - float(np.exp(logs.mean())),
                 1.0 - float(np.exp(volume)),
                 predicted,
-                _distinguishes(candidate, centres),
+                _distinguishes(candidate, own),
                 None if candidate.cost is None else gain / candidate.cost,
             )
         )
     order = sorted(range(len(found)), key=lambda i: (-found[i].by(method.criterion), i))
-    remarks = list(method.remarks)
-    if len(centres) < len(method.basins):
-        remarks.append(
-            f"sensitivities could be calculated at {len(centres)} of {len(method.basins)} places: {failed} runs failed"
-        )
+    remarks = [*method.remarks, *_failures(method, evaluations, usable, such)]
     return Design(
         calibration.problem.name,
         method.criterion,
-        None if method.prediction is None else method.prediction.name,
+        None if wanted is None else wanted.name,
         tuple(found[i] for i in order),
         len(method.covariances),
-        len(centres),
-        failed,
+        most,
+        len(failed),
         method.alarm,
         tuple(f"{remark[:1].upper()}{remark[1:]}{'' if remark.endswith('.') else '.'}" for remark in remarks),
     )
 
 
+def _failures(
+    method: DesignMethod, evaluations: Sequence[Evaluation], usable: Mapping[str, Sequence[_Centre]], such: str
+) -> list[str]:
+    """Which candidates lack runs, and at how many places their worth is known."""
+    if not such:
+        return []
+    tests = [*method.candidates, *(() if method.prediction is None else (method.prediction,))]
+    lost = {
+        test.name: sum(any(r.series not in run.responses for r in test.readings) for run in evaluations)
+        for test in tests
+    }
+    counts = listed([f"{number} of {name}" for name, number in lost.items() if number])
+    found = [f"of {len(evaluations)} runs, {counts} failed, such as {such}"]
+    places = len(method.basins)
+    found += [
+        f"of {places} places around the optimum, {name} has its worth from {len(own)}"
+        for name, own in usable.items()
+        if 0 < len(own) < places
+    ]
+    return found + [f"{name} has no worth, because its runs failed" for name, own in usable.items() if not own]
+
+
 def _centres(method: DesignMethod, evaluations: Sequence[Evaluation], names: tuple[str, ...]) -> list[_Centre]:
-    """Centres at which the sensitivity to every parameter could be had."""
+    """The centres, each with the series of which the sensitivity to every parameter could be had."""
     found = []
     for number, (basin, weight) in enumerate(zip(method.basins, method.weights, strict=True)):
         own = [(point, run) for point, run in zip(method.plan, evaluations, strict=False) if point.centre == number]
         middle = next(run for point, run in own if point.parameter is None)
-        if middle.reason is not None:
-            continue
-        slopes = {series: np.zeros((len(values), len(names))) for series, values in middle.responses.items()}
-        whole = True
-        for index, name in enumerate(names):
-            if name not in method.points:
-                continue
-            beside = [(p.offset, run) for p, run in own if p.parameter == name and run.reason is None]
-            whole = whole and bool(beside)
-            for series, values in middle.responses.items():
-                rows = np.array([run.responses[series] - values for _, run in beside])
-                if len(beside):
-                    slopes[series][:, index] = _slope(np.array([offset for offset, _ in beside]), rows)
-        if whole:
-            found.append(_Centre(weight, basin, dict(middle.responses), slopes))
+        slopes = {
+            series: slope
+            for series, values in middle.responses.items()
+            if (slope := _slopes(series, values, own, method, names)) is not None
+        }
+        found.append(_Centre(weight, basin, dict(middle.responses), slopes))
     return found
+
+
+def _slopes(
+    series: str,
+    values: FloatArray,
+    own: Sequence[tuple[DesignPoint, Evaluation]],
+    method: DesignMethod,
+    names: tuple[str, ...],
+) -> FloatArray | None:
+    """Sensitivities of a series around a centre with these values, shape (m, d); None where a parameter has none."""
+    slopes = np.zeros((len(values), len(names)))
+    for index, name in enumerate(names):
+        if name not in method.points:
+            continue
+        beside = [(p.offset, run) for p, run in own if p.parameter == name and series in run.responses]
+        if not beside:
+            return None
+        rows = np.array([run.responses[series] - values for _, run in beside])
+        slopes[:, index] = _slope(np.array([offset for offset, _ in beside]), rows)
+    return slopes
 
 
 def _slope(offsets: FloatArray, rows: FloatArray) -> FloatArray:

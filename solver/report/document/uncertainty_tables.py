@@ -92,7 +92,8 @@ def _index_table(found: GlobalSensitivity, labels: dict[str, ParameterLabel]) ->
 
 def left_out_table(without: WithoutTests, labels: dict[str, ParameterLabel]) -> Table:
     """Parameters without each of the tests."""
-    rows = [
+    rows = [("all tests", *(number(value, 4) for value in without.optimum.tolist()))]
+    rows += [
         (f"without {test}", *(number(value, 4) if np.isfinite(value) else "–" for value in values))
         for test, values in zip(without.tests, without.values.tolist(), strict=True)
     ]
@@ -104,5 +105,5 @@ def left_out_table(without: WithoutTests, labels: dict[str, ParameterLabel]) -> 
         f"{how} The interval takes each test as one piece of information (jackknife, Student's t). A dash: one test "
         "alone determines the parameter."
     )
-    columns = ("tests", *(labels[name].symbol for name in without.names))
+    columns = ("tests", *(labels[name].axis for name in without.names))
     return Table("Leaving out one test at a time", columns, tuple(rows), tuple(range(1, len(columns))), note)

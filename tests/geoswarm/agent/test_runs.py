@@ -22,7 +22,7 @@ from geoswarm.workers.agents.prepared import frame_of
 from geoswarm.workers.settings import Settings
 from tests.integration.agents import line_model, registered_line
 from tests.integration.engines import wait_for
-from tests.workers.problems import course, line
+from tests.workers.problems import course, line, predicted_tests
 
 VALUES = [{"a": 0.1 * k, "b": 1.0 / 3.0} for k in range(5)]
 
@@ -68,6 +68,18 @@ def test_runs_give_what_they_give_here_to_the_last_bit(runs: RunProcess) -> None
     assert [outcome.responses["y"] for outcome in outcomes] == here
     assert [outcome.index for outcome in outcomes] == list(range(5))
     assert all(outcome.reason is None and outcome.ended >= outcome.began for outcome in outcomes)
+
+
+def test_a_prediction_keeps_the_parts_that_succeeded(runs: RunProcess) -> None:
+    problem = predicted_tests("ln(-1 - b**2)")
+    frame, found = shared(problem)
+    (outcome,) = runs.run(frame, found, VALUES[:1], lambda: False)
+    here = course(problem).calibration.evaluate_values(VALUES[0])
+    assert (outcome.reason, outcome.message) == (here.reason, here.message)
+    assert outcome.responses == {"sound.y": here.responses["sound.y"].tolist()}
+    del found["keeps_parts"]  # a service of an earlier version
+    (outcome,) = runs.run("other", found, VALUES[:1], lambda: False)
+    assert (outcome.reason, outcome.responses) == (here.reason, {})
 
 
 def test_a_model_that_fails_and_one_that_cannot_be_built(runs: RunProcess) -> None:

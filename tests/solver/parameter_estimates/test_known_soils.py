@@ -99,11 +99,55 @@ def test_moduli_of_hardening_soil_come_back_at_the_reference_stress(truth: dict[
 
 
 def test_hypoplastic_clay_comes_back_within_its_bounds() -> None:
-    """lambda* is of ln(1 + e), but Cc is divided by 1 + e before the test: it comes out low by a fifth."""
+    """lambda* is of ln(1 + e), but Cc is divided by 1 + e before the test: it comes out low by a fifth.
+
+    kappa* has a step of unloading to a quarter of the load.
+    """
     truth = {"phi_c": 22.6, "lambda_star": 0.11, "kappa_star": 0.016, "N": 1.375, "nu": 0.2, "e0": 1.8}
     found = estimated("hypoplastic_clay", truth, ("e0",))
     assert found["phi_c"].section["initial"] == pytest.approx(truth["phi_c"], abs=0.2)
     assert found["lambda_star"].section["initial"] == pytest.approx(truth["lambda_star"], rel=0.25)
     assert found["N"].section["initial"] == pytest.approx(truth["N"], rel=0.15)
-    for name in ("phi_c", "lambda_star", "N"):
+    assert found["kappa_star"].section["initial"] == pytest.approx(truth["kappa_star"], rel=0.4)
+    for name in ("phi_c", "lambda_star", "kappa_star", "N"):
         assert found[name].section["lower"] < truth[name] < found[name].section["upper"]
+
+
+@pytest.mark.parametrize(
+    "truth",
+    [
+        {"phi_c": 27.9, "lambda_star": 0.057, "kappa_star": 0.008, "N": 0.749, "nu": 0.38},  # Dortmund clay
+        {"phi_c": 21.9, "lambda_star": 0.095, "kappa_star": 0.015, "N": 1.19, "nu": 0.1},  # London clay
+        {"phi_c": 22.6, "lambda_star": 0.11, "kappa_star": 0.016, "N": 1.375, "nu": 0.2},
+    ],
+)
+@pytest.mark.parametrize("least", [400.0, 200.0])
+def test_kappa_of_hypoplastic_clay_is_that_where_unloading_begins(truth: dict[str, float], least: float) -> None:
+    """It had no estimate. In the oedometer the stress ratio changes on unloading, less by a step to one half."""
+    loads = [25.0, 50.0, 100.0, 200.0, 400.0, 800.0, least, 50.0]
+    stages = [{"stress": load, "duration": 1.0} for load in loads]
+    compression = {"material": "hypoplastic_clay", "initial_stress": 10.0, "stages": stages}
+    parts = {
+        "oedometer": {"kind": "oedometer", "height": 0.02, **compression},
+        "isotropic": {"kind": "isotropic_compression", "height": 0.1, "diameter": 0.05, **compression},
+    }
+    x = np.arange(1.0, len(loads) + 1.0)
+    y = built(parse_spec({"kind": "combined", "parts": parts})).prepare({f"{p}.stage_void_ratio": x for p in parts})
+    free = {"kappa_star": {"lower": 0.001, "upper": 0.05}}
+    problem = parse_problem(
+        {
+            "forward_model": {"kind": "combined", "parts": parts},
+            "parameters": {name: {"value": value} for name, value in truth.items()} | free,
+            "observations": [
+                {"series": series, "points": {"x": x.tolist(), "y": values.tolist()}}
+                for series, values in y(truth).items()
+            ],
+            "stopping": {"max_evaluations": 10},
+        }
+    )
+    (found,) = [one for one in proposed(problem) if one.name == "kappa_star"]
+    confined, all_round = found.candidates
+    assert all_round.value == pytest.approx(truth["kappa_star"], rel=0.03)
+    assert confined.value == pytest.approx(truth["kappa_star"], rel=0.15 if least == 400.0 else 0.45)
+    assert confined.source == f"oedometer: unloading from 800 to {least:g} kPa, ln(1 + e) over ln(p′); Mašín (2013)"
+    assert found.section["lower"] < truth["kappa_star"] < found.section["upper"]

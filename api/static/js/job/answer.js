@@ -7,6 +7,7 @@ import { ENDED } from "../states.js";
 import { materialButtons } from "./copy.js";
 import { nextStep } from "./next_step.js";
 
+const AHEAD = new Set(["predict", "design"]); // follow-ups that ask of other tests: their page says what they found
 const FORMS = { fixed: "fixed", linked: "linked" };
 const NEAR = 1e-6; // parts of the searched range, as in at_bounds of a job
 const MOST_NAMED = 3;
@@ -138,7 +139,7 @@ export function answer(view) {
     copies.replaceChildren(ENDED.has(job.state) && view.fit ? materialButtons(materialSet(infos)) : "");
   }
 
-  if (followUp) said.replaceChildren("A follow-up: its runs are around an optimum. ", ...parentLink());
+  if (followUp && !AHEAD.has(document.querySelector("main").dataset.method)) said.replaceChildren("A follow-up: its runs are around an optimum. ", ...parentLink());
   return {
     job() {
       if (!ENDED.has(view.job.state)) said.textContent = followUp ? said.textContent : "";

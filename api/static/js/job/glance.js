@@ -1,6 +1,6 @@
 // The fit at a glance: all series and the diagrams of the tests as small drawings, without waiting for a library.
 import { element, empty, exchange, svg } from "../dom.js";
-import { amount, direction, number, plain, withUnit } from "../format.js";
+import { amount, direction, number, partOf, plain, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { ENDED } from "../states.js";
 import { thinned, ticks } from "../scales.js";
@@ -9,8 +9,6 @@ import { broken, stagesOf } from "./fit_plot.js";
 import { unitChoices } from "./readings.js";
 
 const MOST = 300, HEIGHT = 430, LEAST = 105, CAPTION = 36, LETTER = 6.2, RIGHT = 8, TOP = 6, BOTTOM = 34; // px
-
-const partOf = (series) => series.slice(0, Math.max(series.indexOf("."), 0));
 
 /** "cell 50: volumetric strain": the test, where there are several, and what was measured. */
 const headed = (series) => plain(series.replace(".", ": "));

@@ -1,10 +1,12 @@
 // What comes next: predictions with the uncertainty of what was identified, and which test to do next.
 import { element, once } from "../dom.js";
-import { direction, number, percent, symbol, withUnit } from "../format.js";
+import { amount, direction, number, partOf, percent, plain, symbol, withUnit } from "../format.js";
 import { get, post } from "../http.js";
 import { DASHES, colour, palette, plot } from "../plot.js";
 
 const CRITERIA = { widths: "all intervals (geometric mean)", volume: "their common region", prediction: "the band of the prediction" };
+
+const MOST_OPEN = 3; // tests whose curves are drawn at once
 
 /** Two forms, and the bands and tables that follow-ups have found; `onBegun` after a follow-up was submitted. */
 export class Outlook {
@@ -65,13 +67,30 @@ export class Outlook {
 
   band(prediction) {
     const warning = prediction.alarm ? [element("p", { class: "error" }, prediction.alarm)] : [];
-    const figures = prediction.series.map((one) => {
+    const tests = [...new Set(prediction.series.map(({ series }) => partOf(series)))];
+    return [element("h3", {}, `Prediction: ${prediction.name}`), ...warning, ...prediction.remarks.map((text) => element("p", { class: "help" }, text)),
+      ...tests.map((test) => this.test(prediction, test, tests.length > MOST_OPEN))];
+  }
+
+  /** One test: how close its series come to what was measured, and their bands; `folded`: these are drawn once asked for. */
+  test(prediction, test, folded) {
+    const own = prediction.series.filter(({ series }) => partOf(series) === test);
+    const measured = own.filter((one) => one.measured);
+    const heading = test ? [element("h4", {}, test)] : [];
+    const list = measured.length ? [element("ul", {}, measured.map((one) => element("li", {}, element("strong", {}, nameOf(one)), `: ${closeness(prediction, one)}`)))] : [];
+    const curves = element("div", { class: "curves" });
+    const draw = () => own.map((one) => {
       const place = element("div");
-      this.plots.push(plot(place, () => bandFigure(prediction, one)));
-      const inside = one.inside === null ? [] : [element("p", { class: "help" }, `${one.inside} of ${one.x.length} measured points lie in the band${one.reading_lower ? " of readings" : ""}.`)];
-      return [element("h4", {}, one.series), place, ...inside];
+      curves.append(element("div", {}, element(test ? "h5" : "h4", {}, nameOf(one)), place));
+      const made = plot(place, () => bandFigure(prediction, one));
+      this.plots.push(made);
+      return made;
     });
-    return [element("h3", {}, `Prediction: ${prediction.name}`), ...warning, ...figures.flat(), ...prediction.remarks.map((text) => element("p", { class: "help" }, text))];
+    if (!folded) draw();
+    const shown = folded ? element("details", { ontoggle: ({ currentTarget }) => {
+      if (currentTarget.open && !curves.children.length) for (const one of draw()) one.draw();
+    } }, element("summary", {}, `Curves of ${test}`), curves) : curves;
+    return element("section", { "aria-label": test || prediction.name }, ...heading, ...list, shown);
   }
 
   order(design) {
@@ -85,6 +104,16 @@ export class Outlook {
       element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Candidate tests" }, element("table", {}, element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: i ? "n" : null }, text)))), element("tbody", {}, rows))),
       ...design.remarks.map((text) => element("p", { class: "help" }, text))];
   }
+}
+
+const nameOf = ({ series }) => plain(series.slice(partOf(series).length).replace(".", ""));
+
+/** How far the measured points are from the curve of the best fit, and how many of them lie in the band. */
+function closeness({ level }, { closeness: found, inside, x, reading_lower: reading }) {
+  const band = `${inside} of ${x.length} measured points lie in the ${percent(level)} band${reading ? " of readings" : ""}`;
+  if (!found) return `${band}.`;
+  const peak = found.peak === null ? "" : `, peak within ${percent(found.peak)}`;
+  return `root mean square ${amount(found.deviation, found.unit)}, at most ${amount(found.largest, found.unit)}${peak}; ${band}.`;
 }
 
 const places = ({ series, points, x_unit, y_unit }) => ({ series, ...(x_unit ? { x_unit } : {}), ...(y_unit ? { y_unit } : {}), points: { x: thinned(points.x) } });
@@ -102,7 +131,7 @@ function bandFigure({ level, basins }, one) {
   if (one.measured) data.push({ x: one.x, y: one.measured, mode: "markers", name: "measured", marker: { color: colour("--ink"), symbol: "circle-open" } });
   const title = (words) => ({ title: { text: words } });
   const columns = { [withUnit(one.x_quantity, one.x_unit)]: one.x, median: one.median, lower: one.lower, upper: one.upper };
-  return { data, layout: { height: 340, xaxis: title(withUnit(one.x_quantity, one.x_unit)), yaxis: { ...title(withUnit(one.y_quantity, one.y_unit)), ...direction(one.series, one.y_quantity) }, legend: { orientation: "h", y: -0.25 } }, label: `Prediction of ${one.series}: median and ${text}`, columns };
+  return { data, layout: { height: 340, xaxis: title(withUnit(one.x_quantity, one.x_unit)), yaxis: { ...title(withUnit(one.y_quantity, one.y_unit)), ...direction(one.series, one.y_quantity) } }, label: `Prediction of ${one.series}: median and ${text}`, columns };
 }
 
 /** A colour of the palette, #rrggbb or rgb(), that lets others through. */

@@ -122,7 +122,7 @@ export class Uncertainty {
     const row = (head, cell) => element("tr", {}, element("th", { scope: "row" }, head), each.map(([, one]) => element("td", { class: "n" }, cell(one))));
     return [element("h3", {}, "Does one test pull?"), element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Values without each test" }, element("table", {},
       element("thead", {}, element("tr", {}, element("th", { scope: "col" }, "Tests"), each.map(([name]) => element("th", { scope: "col", class: "n" }, symbol(name))))),
-      element("tbody", {}, found.tests.map((test) => row(`without ${test}`, ({ values }) => (values[test] === null ? "–" : number(values[test], 4)))),
+      element("tbody", {}, row("all tests", ({ value }) => number(value, 4)), found.tests.map((test) => row(`without ${test}`, ({ values }) => (values[test] === null ? "–" : number(values[test], 4)))),
         row("95 % interval between tests", ({ interval }) => (interval ? ends(...interval) : "–")), row("pulled most by", ({ pulls }) => pulls ?? "–")))),
     element("p", { class: "help" }, `${fitted ? "Fitted again without each test" : "By linearisation, without further runs"}; each test counts as one piece of information. A dash: one test alone determines the parameter.`)];
   }

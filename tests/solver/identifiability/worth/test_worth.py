@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from geoswarm.calibration import calibrate
-from geoswarm.solver.errors import ProblemError
+from geoswarm.solver.errors import ProblemError, SolverError
 from geoswarm.solver.problem.draft import inlined_document
 from tests.solver.identifiability.cases import WHITE, X, free, problem_of
 from tests.solver.identifiability.worth.brute_force import PROBLEMS, designed, fitted, scatter
@@ -105,6 +105,34 @@ def test_two_basins_are_told_apart_by_the_reading_that_differs() -> None:
     found = {c.name: c for c in calibrate(problem, seed=5).design(candidates).candidates}
     assert found["again"].distinguishes == pytest.approx(0.5, abs=0.1)
     assert found["a"].distinguishes == pytest.approx(0.995, abs=0.01)  # 2.6 apart in units of 0.5
+
+
+def expression(name: str, formula: str, **more: Any) -> dict[str, Any]:
+    return reading(name, 8.0, forward_model={"kind": "formula", "series": {"y": formula}}, **more)
+
+
+def test_a_candidate_that_fails_leaves_the_others_their_places(line: Any) -> None:
+    """A place at which one candidate failed was lost for all."""
+    sound, optimum = expression("sound", "a + b * x"), line.parameters["a"]
+    (alone,) = line.design({"candidates": [sound]}, draws=6).candidates
+    fragile = expression("fragile", f"a + b * x + 0 * ln(a - {optimum - 0.02})")
+    found = line.design({"candidates": [fragile, sound]}, draws=6)
+    assert {c.name: c for c in found.candidates}["sound"] == alone
+    assert {c.name for c in found.candidates} == {"fragile", "sound"}
+    assert found.centres == 7
+    assert 0 < found.failed < 35
+    assert any(f"Of 35 runs, {found.failed} of fragile failed, such as not_finite: " in one for one in found.remarks)
+    (places,) = [one for one in found.remarks if one.startswith("Of 7 places around the optimum, ")]
+    assert "fragile has its worth from " in places
+    assert "sound" not in places
+    found = line.design({"candidates": [expression("never", "ln(-1 - a**2 - b**2)"), sound]}, draws=6)
+    assert found.candidates == (alone,)
+    assert "Never has no worth, because its runs failed." in found.remarks
+    other = {"name": "later", "forward_model": {"kind": "formula", "series": {"s": "ln(-1 - a**2 - b**2)"}}}
+    with pytest.raises(SolverError, match="no sensitivities of later could be calculated, because runs failed: not_f"):
+        line.design(
+            {"candidates": [sound]}, predict=other | {"observations": [{"series": "s", "points": {"x": [1.0]}}]}
+        )
 
 
 @pytest.mark.parametrize(
