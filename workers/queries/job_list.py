@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -20,17 +20,18 @@ from sqlalchemy import (
     or_,
     select,
     tuple_,
+    update,
 )
 
 from geoswarm.workers.errors import InvalidCursorError
-from geoswarm.workers.queries.jobs import VIEW_COLUMNS, as_lines
+from geoswarm.workers.queries.jobs import VIEW_COLUMNS
 from geoswarm.workers.queries.listing import decode_cursor, encode_cursor
 from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import generations, jobs
 
-__all__ = ["JobFilters", "SortKey", "count_jobs", "list_jobs", "list_trends"]
+__all__ = ["JobFilters", "SortKey", "count_jobs", "label_job", "list_jobs", "list_trends"]
 
 SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
@@ -119,6 +120,19 @@ def count_jobs(connection: Connection, filters: JobFilters, *, owner: str | None
     return connection.scalar(statement) or 0
 
 
+def label_job(connection: Connection, job_id: str, tags: Collection[str] | None, note: str | None) -> None:
+    """Replace the tags of a job, its note, or both; None leaves them."""
+    values = {} if tags is None else {"tags": _as_lines(tags)}
+    values |= {} if note is None else {"note": note}
+    if values:
+        connection.execute(update(jobs).where(jobs.c.id == job_id).values(values))
+
+
+def _as_lines(tags: Collection[str]) -> str:
+    """Tags as they are stored: sorted, each between two line ends."""
+    return "".join(f"\n{tag}" for tag in sorted(set(tags))) + "\n" * bool(tags)
+
+
 def list_trends(connection: Connection, totals: Mapping[str, int], points: int) -> dict[str, list[float | None]]:
     """Return the lowest objective so far of each job at evenly spaced generations, the last one included.
 
@@ -166,7 +180,7 @@ def _conditions(filters: JobFilters) -> list[ColumnElement[bool]]:
     if filters.owner is not None:
         conditions.append(jobs.c.owner == filters.owner)
     if filters.tag:
-        conditions.append(jobs.c.tags.contains(as_lines([filters.tag]), autoescape=True))
+        conditions.append(jobs.c.tags.contains(_as_lines([filters.tag]), autoescape=True))
     if filters.text:
         text = filters.text.lower()
         columns = (jobs.c.name, jobs.c.forward_model, jobs.c.method, jobs.c.owner, jobs.c.tags)

@@ -49,7 +49,6 @@ from geoswarm.workers.store.tables import evaluations, events, generations, jobs
 __all__ = [
     "LockedJob",
     "account_running_time",
-    "as_lines",
     "clocks_overdue",
     "current_generation",
     "delete_evaluations",
@@ -61,7 +60,6 @@ __all__ = [
     "get_problem",
     "get_progress",
     "insert_job",
-    "label_job",
     "list_events",
     "list_generations",
     "list_news",
@@ -272,18 +270,6 @@ def _insert_generations(
             for record, created_at, finished_at in zip(records, begun, times, strict=True)
         ],
     )
-
-
-def label_job(connection: Connection, job_id: str, tags: Collection[str] | None, note: str | None) -> None:
-    """Replace the tags of a job, its note, or both; None leaves them."""
-    values = {} if tags is None else {"tags": as_lines(tags)}
-    values |= {} if note is None else {"note": note}
-    connection.execute(update(jobs).where(jobs.c.id == job_id).values(values))
-
-
-def as_lines(tags: Collection[str]) -> str:
-    """Tags as they are stored: sorted, each between two line ends."""
-    return "".join(f"\n{tag}" for tag in sorted(set(tags))) + "\n" * bool(tags)
 
 
 def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:

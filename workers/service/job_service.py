@@ -41,7 +41,7 @@ from geoswarm.workers.operations.measures import Measures, measure
 from geoswarm.workers.operations.probe import OneAtATime, Probe
 from geoswarm.workers.operations.retention import delete_job
 from geoswarm.workers.queries import jobs
-from geoswarm.workers.queries.job_list import JobFilters, count_jobs, list_jobs, list_trends
+from geoswarm.workers.queries.job_list import JobFilters, count_jobs, label_job, list_jobs, list_trends
 from geoswarm.workers.queries.offers import WarmStart, find_offer, find_warm_starts, write_offer
 from geoswarm.workers.queries.views import event_view, job_view, worker_view
 from geoswarm.workers.queries.workers import current_work, list_workers
@@ -312,7 +312,7 @@ class JobService(JobRecords):
 
         def work(connection: Connection) -> Job:
             self._row(connection, job_id)
-            jobs.label_job(connection, job_id, tags, note)
+            label_job(connection, job_id, tags, note)
             return self._get(connection, job_id)
 
         return self.store.write(work)
