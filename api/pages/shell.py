@@ -37,9 +37,12 @@ def progress(job: Job) -> float | None:
     return min(job.evaluations / job.max_evaluations, 1.0) if job.max_evaluations else None
 
 
+_MARKDOWN = MarkdownIt("commonmark", {"html": False}).disable(["image", "heading", "lheading"])
+
+
 def markdown(text: str) -> Markup:
     """What people write, as HTML: no markup of theirs, no pictures, no headings."""
-    return Markup(MarkdownIt("commonmark", {"html": False}).disable(["image", "heading", "lheading"]).render(text))
+    return Markup(_MARKDOWN.render(text))
 
 
 templates = Environment(

@@ -96,11 +96,10 @@ def change(job_id: JobId, wanted: JobChange, service: Service) -> Job:
 
     A finished or cancelled job continues as if submitted with the stop criteria; tags and note change nothing else.
     """
-    if wanted.stopping is not None:
-        service.change_stopping(job_id, wanted.stopping)
-    if wanted.tags is not None or wanted.note is not None:
-        service.label(job_id, wanted.tags, wanted.note)
-    return service.get(job_id)
+    view = None if wanted.stopping is None else service.change_stopping(job_id, wanted.stopping)
+    if view is not None and wanted.tags is None and wanted.note is None:
+        return view
+    return service.label(job_id, wanted.tags, wanted.note)
 
 
 @router.get("/{job_id}/problem", responses=problems_of(404))

@@ -6,9 +6,11 @@ Timestamps are ISO 8601 in UTC. Numbers that are not finite are null: JSON knows
 from __future__ import annotations
 
 import math
+import re
 from typing import Annotated, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -52,8 +54,20 @@ class Model(BaseModel):
     model_config = ConfigDict(from_attributes=True)
 
 
-Tag = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=40, pattern=r"^[^\x00-\x1f,]*$")]
-WRITTEN = r"^[^\x00-\x08\x0b\x0c\x0e-\x1f]*$"  # what a database takes, with tabs and ends of lines
+def _printable(tag: str) -> str:
+    if "," in tag or not tag.isprintable():
+        raise ValueError(f"a tag has printable characters and no comma, got {tag!r}")
+    return tag
+
+
+def _written(note: str) -> str:
+    if re.search(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]", note):
+        raise ValueError("a note has no control characters but tabs and ends of lines")
+    return note
+
+
+Tag = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=40), AfterValidator(_printable)]
+Note = Annotated[str, StringConstraints(max_length=10_000), AfterValidator(_written)]
 
 
 class JobPage(Model):
@@ -76,9 +90,7 @@ class JobChange(BaseModel):
 
     stopping: Stopping | None = Field(None, description="the new stop criteria, instead of all previous ones")
     tags: list[Tag] | None = Field(None, max_length=20, description="the new tags, instead of all previous ones")
-    note: Annotated[str, StringConstraints(max_length=10_000, pattern=WRITTEN)] | None = Field(
-        None, description="the new note, in Markdown, instead of the previous one"
-    )
+    note: Note | None = Field(None, description="the new note, in Markdown, instead of the previous one")
 
     @model_validator(mode="after")
     def _something(self) -> JobChange:

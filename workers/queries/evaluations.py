@@ -43,7 +43,7 @@ __all__ = [
 ]
 
 ROWS_AT_ONCE = 200  # keys in one statement
-KEPT = text("evaluations.reason IS NOT NULL AND evaluations.responses IS NOT NULL")
+KEPT = and_(evaluations.c.reason.is_not(None), evaluations.c.responses.is_not(None))
 """Failed, with series of parts that a prediction keeps."""
 RESULTS = Statement(
     select(

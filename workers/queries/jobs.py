@@ -74,7 +74,7 @@ COLUMNS = [column for column in jobs.columns if column.name not in ("problem", "
 JOBS_A_QUERY = 400  # SQLite limits the depth of an expression
 LARGE = ("progress", "grids")
 LAST_EVENT = select(func.max(events.c.id)).where(events.c.job_id == jobs.c.id).scalar_subquery().label("last_event")
-VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), jobs.c.tags, jobs.c.note, LAST_EVENT]
+VIEW_COLUMNS = [*(column for column in COLUMNS if column.name not in LARGE), jobs.c.tags, LAST_EVENT]
 
 
 def _locked(*columns: Any) -> Statement:
@@ -299,7 +299,7 @@ def insert_job(connection: Connection, values: Mapping[str, Any]) -> bool:
 
 def get_job(connection: Connection, job_id: str) -> Record | None:
     """Return what a view shows of a job, with the time ``now``."""
-    statement = select(*VIEW_COLUMNS, database_now().label("now")).where(jobs.c.id == job_id)
+    statement = select(*VIEW_COLUMNS, jobs.c.note, database_now().label("now")).where(jobs.c.id == job_id)
     return connection.execute(statement).one_or_none()
 
 

@@ -31,7 +31,7 @@ CORRECTED = 0.2
 
 _FAR, _MISPLACED = 0.2, 1.0  # standard errors
 _WIDER = 1.05  # the least factor that is said
-_UNKNOWN, _ANY = 1.0 / 3.0, 1.0  # relative errors of a derivative: from 3 of them it is told from 0
+_UNKNOWN, _ANY = 1.0 / 3.0, 1.0  # relative errors from which a derivative may be 0, and from which it may be anything
 _BASES: dict[IntervalBasis, str] = {
     "linearised": "",
     "correlated": "widened by a factor of {:.2g} for correlated residuals",

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 import re
 from collections.abc import Callable
 from typing import Literal, TypeAlias
 
-from geoswarm.solver.problem.tables.unit_words import PARTS, SUMS
+from geoswarm.solver.problem.tables.unit_words import PARTS, SUMS, compiled
 
 __all__ = ["ALTERED", "Alteration", "alteration_in", "change_in", "is_switch", "referred_apart"]
 
@@ -79,12 +78,6 @@ _SHARE_INSIDE = re.compile(
 )
 
 
-@functools.cache
-def _compiled(pattern: str) -> re.Pattern[str]:
-    """A long pattern, which processes that read no files never compile."""
-    return re.compile(pattern, re.IGNORECASE)
-
-
 def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bool]) -> tuple[Alteration | None, str]:
     """What makes the numbers another quantity, and its text; None where nothing does.
 
@@ -99,7 +92,7 @@ def alteration_in(rest: str, bases: set[str | None], is_word: Callable[[str], bo
     """
     rest = _MEAN.sub("", rest)
     sized = bool(bases - {None, "dimensionless"})
-    if (altered := _compiled(_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
+    if (altered := compiled(_ALTERED if bases else _SCALED_OR_SUM).search(rest)) is not None:
         return _kind(altered), altered[0].strip(" \0[]()")
     name = " ".join(re.sub(r"[\[({<|]?\0[\])}>|]?|\[.*?\]", " ", rest).split()).rstrip(",;:/")
     sign = _SIGN.search(re.sub(r"[()]", " ", name).strip())
@@ -131,7 +124,7 @@ def _kind(altered: re.Match[str]) -> Alteration:
         return "share"
     if re.match(rf"\s?\+|{SUMS}", altered[0]):
         return "sum"
-    return "factor" if _compiled(_ONLY_SCALED).match(altered[0]) else "function"
+    return "factor" if compiled(_ONLY_SCALED).match(altered[0]) else "function"
 
 
 def referred_apart(heading: str) -> str:
@@ -200,9 +193,9 @@ def change_in(text: str) -> bool:
     >>> change_in("Gauge reset"), change_in("Messuhr neu gestellt"), change_in("Laststufe 2")
     (True, True, False)
     """
-    return _compiled(_CHANGE).search(text) is not None
+    return compiled(_CHANGE).search(text) is not None
 
 
 def is_switch(text: str) -> bool:
     """Whether a note says that something holds from a place on: ``ab hier``, ``from now on``."""
-    return _compiled(_SWITCH).search(text) is not None
+    return compiled(_SWITCH).search(text) is not None

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import functools
 import re
 from collections.abc import Iterable
 
-from geoswarm.solver.problem.tables.unit_words import PARTS
+from geoswarm.solver.problem.tables.unit_words import PARTS, compiled
 
 __all__ = ["dimension_of", "factor_in", "is_column_of_factors", "is_heave", "is_load", "offset_in", "quantities_of"]
 
@@ -181,18 +180,13 @@ _SCALED_LINE = (
 """A line that scales the numbers of a table: ``Faktor: 0,01``, ``multiply by 0.01``, ``Werte x 0,01``."""
 
 
-@functools.cache
-def _scaled_line() -> re.Pattern[str]:
-    return re.compile(_SCALED_LINE, re.IGNORECASE)
-
-
 def factor_in(line: str) -> str | None:
     """The factor that a line outside a table names; None for none, and for 1. ``1 div = 0.01 mm`` names one, too.
 
     >>> factor_in("Skalierung (Setzung): 1/100"), factor_in("scale factor 1.0")
     ('1/100', None)
     """
-    found = _scaled_line().search(line)
+    found = compiled(_SCALED_LINE).search(line)
     if found is None:
         return None
     rest = line[found.end() :]

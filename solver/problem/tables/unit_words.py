@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import re
 
-__all__ = ["ALIASES", "ATOMS", "CASE_MATTERS", "PARTS", "SUMS", "in_signs"]
+__all__ = ["ALIASES", "ATOMS", "CASE_MATTERS", "PARTS", "SUMS", "compiled", "in_signs"]
 
 _WORDS = {
     "s": "s sec secs second seconds sek sekunde sekunden seg segundos sekund",
@@ -90,6 +91,12 @@ _PART = re.compile(rf"^({PARTS})(?: of(?: an?)?)?[ -]?(?=\S)", re.IGNORECASE)
 _DIVISORS = {"zehnt": 10, "hunde": 100, "tause": 1000, "tenth": 10, "hundr": 100, "thous": 1000}
 _PREFIX = re.compile(r"^(milli|[cz]enti|mi[ck]ro|kilo|mega)[ -](?=[^\W\d_])", re.IGNORECASE)
 _PREFIXES = {"mil": "m", "zen": "c", "cen": "c", "mik": "u", "mic": "u", "kil": "k", "meg": "M"}
+
+
+@functools.cache
+def compiled(pattern: str) -> re.Pattern[str]:
+    """A long pattern in any case; processes that read no files never compile it."""
+    return re.compile(pattern, re.IGNORECASE)
 
 
 def in_signs(text: str) -> str:
