@@ -210,7 +210,7 @@ def test_numbers_beyond_every_database_are_refused(app: App, query: str) -> None
 def test_tags_and_note_are_replaced_and_found(app: App) -> None:
     job = submit(app)
     path = f"{API}/jobs/{job['id']}"
-    assert (job["tags"], job["note"]) == ([], "")
+    assert (job["tags"], job["note"]) == ([], None)
     changed = app("PATCH", path, json={"tags": [" dam ", "B 2", "dam"], "note": "*Disturbed*\n"}).json()
     assert (changed["tags"], changed["note"]) == (["B 2", "dam"], "*Disturbed*\n")
     assert app("PATCH", path, json={"note": ""}).json()["tags"] == ["B 2", "dam"]

@@ -65,7 +65,7 @@ def job_view(row: Record, gap: float) -> Job:
         retrying=row.retry_to is not None,
         owner=row.owner,
         tags=row.tags.split("\n")[1:-1],
-        note=row._mapping.get("note"),  # lists leave it out
+        note=row._mapping.get("note") or None,  # lists leave it out
         last_event=row.last_event or 0,
         versions=recorded[0],
         warnings=[*([] if alike is None else [alike]), *version_warnings(recorded)],

@@ -8,7 +8,7 @@ export function label(view) {
   const error = element("p", { class: "error", role: "alert" });
   const form = element("form", { novalidate: true },
     element("label", {}, "Tags, with commas between them", element("input", { name: "tags", value: tags.join(", "), placeholder: "dam, second trial" })),
-    element("label", {}, "Note (Markdown)", element("textarea", { name: "note", rows: 8, value: note })),
+    element("label", {}, "Note (Markdown)", element("textarea", { name: "note", rows: 8, value: note ?? "" })),
     element("p", { class: "help" }, "The list of jobs finds tags; a project can be one. Everybody who can see the job can read both."),
     error,
     element("div", { class: "buttons" }, element("button", { type: "submit" }, "Save")));
