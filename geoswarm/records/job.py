@@ -67,7 +67,9 @@ class Job:
     retrying: bool = described("its failed evaluations are being rerun; then it returns to its previous state")
     owner: str | None = described("owner of the key that submitted it; null: no key, or that of the environment")
     tags: list[str] = described("words to find it by, sorted", default_factory=list)
-    note: str | None = described("what somebody wrote about it, in Markdown; null: nobody did, or in lists", default=None)
+    note: str | None = described(
+        "what somebody wrote about it, in Markdown; null: nobody did, or in lists", default=None
+    )
     last_event: int = described("id of its newest event: follow the events after it")
     trend: list[Number] | None = described(
         "lowest objective so far at evenly spaced generations; only in lists, on request", default=None
