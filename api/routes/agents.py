@@ -94,7 +94,8 @@ async def model_file(sha256: Digest, models: Models) -> FileResponse:
 @router.delete("/{agent}", status_code=204, response_class=Response, responses=problems_of(422))
 async def sign_off(agent: AgentName, key: Key, watch: Watch) -> None:
     """Sign off an agent; what it still holds goes to others when its lease expires."""
-    await watch.in_thread(lambda: watch.desk.sign_off(key, agent))
+    if await watch.in_thread(lambda: watch.desk.sign_off(key, agent)):
+        watch.dismiss(agent)
 
 
 @router.post("/leases", response_model=LeaseAnswer, responses=problems_of(404, 408, 413, 422))
@@ -113,7 +114,7 @@ async def lease(wanted: LeaseRequest, request: Request, key: Key, watch: Watch) 
             grant = await watch.in_thread(partial(desk.lease, key, now_asked))
         if grant is not None or waited >= wanted.wait or watch.closed or await request.is_disconnected():
             return _answer({"lease": _shown(grant)})
-        if not await watch.wait(wanted.agent, offers, left, wanted.wait - waited):
+        if not await watch.wait(wanted.agent, offers, left, wanted.wait - waited, request.receive):
             return _answer({"lease": None})
 
 
