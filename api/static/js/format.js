@@ -18,7 +18,7 @@ export function ends(low, high, least = 4) {
   return `${number(low, digits)} … ${number(high, digits)}`;
 }
 
-/** A value with the digits that an interval of this width leaves it: to a hundredth of the width, two at least. */
+/** A value with the digits that an interval of this width leaves it: to a tenth of the width, two at least. */
 export function precise(value, width) {
   if (!(width > 0) || !value) return number(value);
   return number(value, Math.min(Math.max(Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(width)) + 2, 2), 10));

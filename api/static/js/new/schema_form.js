@@ -148,7 +148,7 @@ function unionBody(context, path, schema, draw, lead) {
 }
 
 function alternativesBody(context, path, schema, draw) {
-  const { draft, schemas } = context;
+  const { draft } = context;
   const value = draft.read(path);
   const fits = (one) => (one.type === "array" ? Array.isArray(value) : one.type === "object" || one.anyOf ? value && typeof value === "object" && !Array.isArray(value) : typeof value !== "object");
   const chosen = Math.max(0, schema.anyOf.findIndex(fits));
