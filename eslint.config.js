@@ -8,7 +8,12 @@ export default [
   {
     files: ["api/static/js/**/*.js"],
     languageOptions: { globals: globals.browser },
-    rules: { eqeqeq: "error", "no-var": "error", "prefer-const": "error", "no-unused-vars": ["error", { ignoreRestSiblings: true }] },
+    rules: {
+      eqeqeq: "error",
+      "no-var": "error",
+      "prefer-const": "error",
+      "no-unused-vars": ["error", { ignoreRestSiblings: true }],
+    },
   },
   { files: ["tests/javascript/**/*.js"], languageOptions: { globals: globals.node } },
 ];

@@ -17,15 +17,10 @@ import {
 } from "../../api/static/js/format.js";
 
 test("numbers have significant digits, in powers of ten only where these are shorter", () => {
-  assert.deepEqual([0, 0.0123456, 123456.7, 1234567, -2.5e-7, null, NaN].map((one) => number(one)), [
-    "0",
-    "0.01235",
-    "123500",
-    "1.235e6",
-    "-2.5e-7",
-    "–",
-    "–",
-  ]);
+  assert.deepEqual(
+    [0, 0.0123456, 123456.7, 1234567, -2.5e-7, null, NaN].map((one) => number(one)),
+    ["0", "0.01235", "123500", "1.235e6", "-2.5e-7", "–", "–"],
+  );
 });
 
 test("ends of an interval differ in their last digits, however narrow it is", () => {

@@ -3,8 +3,13 @@ import { test } from "node:test";
 
 import { between, box, largestFactor, levels, outline, roundDown } from "../../api/static/js/mesh/geometry.js";
 
-const MIDDLES = (a, b, c) => [a, b, c].map(([x, y], i, all) => [(x + all[(i + 1) % 3][0]) / 2, (y + all[(i + 1) % 3][1]) / 2]);
-const TRIANGLE = [[0, 0], [1, 0], [0, 1]];
+const MIDDLES = (a, b, c) =>
+  [a, b, c].map(([x, y], i, all) => [(x + all[(i + 1) % 3][0]) / 2, (y + all[(i + 1) % 3][1]) / 2]);
+const TRIANGLE = [
+  [0, 0],
+  [1, 0],
+  [0, 1],
+];
 const NODES = [...TRIANGLE, ...MIDDLES(...TRIANGLE)];
 
 test("a side of two triangles is inside, the others are the outline", () => {
@@ -21,9 +26,28 @@ test("levels are round and take in both values", () => {
 });
 
 test("a polygon is cut where its quantity leaves two values", () => {
-  const kept = between([[0, 0, 0], [1, 0, 1], [1, 1, 1], [0, 1, 0]], 0.25, 0.5);
+  const kept = between(
+    [
+      [0, 0, 0],
+      [1, 0, 1],
+      [1, 1, 1],
+      [0, 1, 0],
+    ],
+    0.25,
+    0.5,
+  );
   assert.deepEqual(box(kept), [0.25, 0, 0.5, 1]);
-  assert.ok(between([[0, 0, 0], [1, 0, 0], [0, 1, 0]], 1, 2).length < 3);
+  assert.ok(
+    between(
+      [
+        [0, 0, 0],
+        [1, 0, 0],
+        [0, 1, 0],
+      ],
+      1,
+      2,
+    ).length < 3,
+  );
 });
 
 test("displacements are magnified until the first piece is inside out", () => {

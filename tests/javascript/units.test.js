@@ -6,7 +6,16 @@ import { choices, choose, converted } from "../../api/static/js/units.js";
 
 const FIT = {
   series: [
-    { series: "settlement", x_unit: "day", y_unit: "m", x: [1, 2], breaks: [1], gross_x: [], measured: [0.001, null], gross_measured: [] },
+    {
+      series: "settlement",
+      x_unit: "day",
+      y_unit: "m",
+      x: [1, 2],
+      breaks: [1],
+      gross_x: [],
+      measured: [0.001, null],
+      gross_measured: [],
+    },
   ],
   curves: [{ values: { settlement: [0.002, 0.003] }, shares: [{ unit: "m", root_mean_square: 0.0005 }] }],
 };
