@@ -1,6 +1,6 @@
 // What is chosen of a file: columns, units, rows; how a problem file would say it, and what is still open.
 import { plainBase } from "../units.js";
-import { columnOfX, columnOfY, conflict, loadsAsX, reference, unitless } from "./matching.js";
+import { byLoad, columnOfX, columnOfY, conflict, loadsAsX, reference, unitless } from "./matching.js";
 
 export const CELLS = "cells"; // a column that is given by its letters, cells or name
 
@@ -219,4 +219,30 @@ export function section(file, state) {
     blocks: state.blocks ?? blocks,
     notes: of.notes ? [of.notes] : undefined,
   };
+}
+
+/** The observation of the points that the service has read; `begin`: where x begin, if readings before it are left out on request. */
+export function taken(points, state, info, begin) {
+  const { x, y, weight, readings, independent, range, inputs, gross_errors, notes } = points;
+  const observation = { series: state.series };
+  for (const axis of ["x", "y"]) {
+    const unit = state[`${axis}Unit`];
+    const own = unit && plainBase(unit) !== plainBase(info?.[`${axis}_unit`]);
+    if (own && !byLoad(info, axis)) observation[`${axis}_unit`] = unit;
+  }
+  observation.points = {
+    x,
+    y,
+    ...(weight ? { weight } : {}),
+    ...(readings ? { readings } : {}),
+    ...(independent ? { independent } : {}),
+    ...(range === null ? {} : { range }),
+    ...(Object.keys(inputs).length ? { inputs } : {}),
+  };
+  if (state.reverse) observation.y_factor = -1;
+  if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });
+  if (state.early && begin !== undefined) observation.x_from = begin;
+  if (gross_errors.length) observation.gross_errors = gross_errors;
+  if (notes.length) observation.notes = notes;
+  return observation;
 }

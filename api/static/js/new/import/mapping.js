@@ -6,24 +6,23 @@ import { pointsPlot } from "../points_plot.js";
 import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
 import { messageOf } from "../words.js";
+import { askedFields } from "./asked.js";
 import {
   CELLS,
   beginning,
   conflicts,
-  doubts,
-  joinable,
   joinsBlocks,
   open,
   section,
-  specimenColumn,
   suit,
   suitUnits,
+  taken,
   unitQuestions,
 } from "./choices.js";
 import { BEFORE, LEAVE_OUT, NO_READING, choice, firstRows, flag, labelHere, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
 import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
-import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
+import { moreFields } from "./more.js";
 
 const PAUSE = 250; // ms without a change before the file is read again
 
@@ -278,84 +277,7 @@ export function mapping(file, content, context, act) {
       ),
       element("div", { class: "fields wide-field" }, pick("x", readable)),
     );
-    const { numbers, dates, clock } = doubts(file, state),
-      specimens = specimenColumn(file, state),
-      blocks = about && !byLoad(about, "x") ? joinable(file, state) : [];
-    exchange(
-      asked,
-      numbers
-        ? choice(
-            "map-sign",
-            "How are numbers written?",
-            SIGNS,
-            state.decimal,
-            (value) => {
-              state.decimal = value;
-              change(true);
-            },
-            { help: `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`, asked: true },
-          )
-        : null,
-      dates
-        ? choice(
-            "map-dates",
-            "How are dates written?",
-            DATES,
-            state.dates,
-            (value) => {
-              state.dates = value;
-              change(true);
-            },
-            { help: `“${dates.doubt}” can be read in two ways.`, asked: true },
-          )
-        : null,
-      clock
-        ? choice(
-            "map-dates",
-            "How are times written?",
-            CLOCKS,
-            state.dates,
-            (value) => {
-              state.dates = value;
-              change(true);
-            },
-            { help: `“${clock.first.find(Boolean)}” can be a time since the start or a time of day.`, asked: true },
-          )
-        : null,
-      specimens !== null
-        ? choice(
-            "map-specimen",
-            `Which ${file.columns[specimens].name}?`,
-            [
-              ...Object.entries(file.columns[specimens].entries).map(([entry, rows]) => [
-                entry,
-                `${entry} (${count(rows)} rows)`,
-              ]),
-              ["", "all rows"],
-            ],
-            state.specimen,
-            (value) => {
-              state.specimen = value;
-              change(true);
-            },
-            { asked: true },
-          )
-        : null,
-      blocks.length > 1
-        ? flag(
-            "map-together",
-            blocks[0].sheet
-              ? `Join the ${count(blocks.length)} sheets with these headings, one after the other: ${file.alike.join(", ")}`
-              : `Join the ${count(blocks.length)} blocks with these headings, one after the other`,
-            state.together,
-            (on) => {
-              state.together = on;
-              state.staged = context.staged();
-              change(false);
-            },
-          )
-        : null,
-    );
+    exchange(asked, askedFields(file, state, about, context, change));
     exchange(more, moreFields(file, state, change, context.openParameters()));
     exchange(table, file.columns.length ? firstRows(file, { [state.x]: "x", [state.y]: "y" }) : null);
     load();
@@ -402,32 +324,10 @@ export function mapping(file, content, context, act) {
   }
 
   function accept() {
-    const { x, y, weight, readings, independent, range, inputs, gross_errors: gross, notes: told } = points;
-    const observation = { series: state.series };
-    for (const axis of ["x", "y"])
-      if (
-        !byLoad(info(), axis) &&
-        state[`${axis}Unit`] &&
-        plainBase(state[`${axis}Unit`]) !== plainBase(info()?.[`${axis}_unit`])
-      )
-        observation[`${axis}_unit`] = state[`${axis}Unit`];
-    observation.points = {
-      x,
-      y,
-      ...(weight ? { weight } : {}),
-      ...(readings ? { readings } : {}),
-      ...(independent ? { independent } : {}),
-      ...(range === null ? {} : { range }),
-      ...(Object.keys(inputs).length ? { inputs } : {}),
-    };
-    if (state.reverse) observation.y_factor = -1;
-    if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });
-    if (state.early && before()) observation.x_from = begin();
-    if (gross.length) observation.gross_errors = gross;
-    if (told.length) observation.notes = told;
+    const observation = taken(points, state, info(), before() ? begin() : undefined);
     plot.remove();
     if (!act.take(observation, file.name))
-      announce(`${count(x.length)} readings of ${observation.series} were taken from ${file.name}.`);
+      announce(`${count(points.x.length)} readings of ${observation.series} were taken from ${file.name}.`);
   }
 
   state.more.load_column = columnOfLoads(file);

@@ -49,7 +49,9 @@ export function conflict(info, axis, unit, column) {
     wanted === "dimensionless"
       ? "has no unit but % or 1"
       : `needs a unit such as ${unitsOf(wanted).slice(0, 3).join(", ")}`;
-  return `${what}, but ${info[`${axis}_quantity`]} of ${info.name} ${needed}. Choose another column or series; correct the unit only if the heading is wrong.${divided}`;
+  const quantity = info[`${axis}_quantity`];
+  const whose = quantity === info.name ? quantity : `${quantity} of ${info.name}`;
+  return `${what}, but ${whose} ${needed}. Choose another column or series; correct the unit only if the heading is wrong.${divided}`;
 }
 
 /** Place among what a heading may mean, of a series' quantity; -1: none. */
