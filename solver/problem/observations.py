@@ -336,7 +336,8 @@ def _checked_x(
         apart = np.abs(x - whole) > _ROUNDING * np.maximum(1.0, np.abs(x))
         if apart.any():
             where = shown(int(np.argmax(apart)))
-            return x, (f"series '{info.name}' has values only at whole numbers of {info.x_quantity}, not at {where}",)
+            wanted = f"series '{info.name}' has values only at whole numbers of {info.x_quantity}, not at {where}"
+            return x, (f"{wanted}; give x as the number of the {info.x_quantity}, for example in a further column",)
         x = whole
     low = -np.inf if info.x_lower is None else info.x_lower
     high = np.inf if info.x_upper is None else info.x_upper
