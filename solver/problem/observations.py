@@ -232,6 +232,8 @@ def _build(
         return None, [Issue(f"{path}.gross_errors", nothing)]
     x, message = _checked_x(x[kept], points.x, kept, units["x"] or info.x_unit, info, stage_times(spec, section.series))
     if message:
+        if section.file is not None and section.x_unit is None and info.x_quantity == "stage":
+            message = (*message, "; for loads instead of numbers of stages give ", setting("x_unit", "kPa"))
         return None, [Issue.about(place, message, f"{path}.")]
     y = y[kept]
     count = points.counts[kept]
@@ -336,8 +338,7 @@ def _checked_x(
         apart = np.abs(x - whole) > _ROUNDING * np.maximum(1.0, np.abs(x))
         if apart.any():
             where = shown(int(np.argmax(apart)))
-            wanted = f"series '{info.name}' has values only at whole numbers of {info.x_quantity}, not at {where}"
-            return x, (f"{wanted}; give x as the number of the {info.x_quantity}, for example in a further column",)
+            return x, (f"series '{info.name}' has values only at whole numbers of {info.x_quantity}, not at {where}",)
         x = whole
     low = -np.inf if info.x_lower is None else info.x_lower
     high = np.inf if info.x_upper is None else info.x_upper
