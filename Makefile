@@ -12,9 +12,9 @@ INSTALLED := $(VENV)/.geoswarm-installed
 WARM := $(VENV)/.geoswarm-warm
 KERNELS := $(shell find solver -name '*.py' 2>/dev/null)
 TESTS := $(BIN)/python scripts/run_tests.py
-# Test processes at once: one more than two cores, as many tests wait for a service. Each numerical library keeps to
+# Test processes at once: two more than two cores, as many tests wait for a service. Each numerical library keeps to
 # one thread (tests/conftest.py).
-JOBS ?= 3
+JOBS ?= 4
 export PYTHON
 # Where Python may not keep what it compiles, each of the thousands of processes of the tests compiles all libraries.
 unexport PYTHONDONTWRITEBYTECODE
@@ -52,13 +52,14 @@ engines-all: $(INSTALLED)
 demo: $(INSTALLED)  ## calibrate the published oedometer test in the embedded service (needs no server)
 	@$(BIN)/geoswarm demo
 
-check: $(INSTALLED)  ## format, lint, generated client, types, import rules, spelling
+check: $(INSTALLED)  ## format, lint, generated client, types, import rules, spelling, JavaScript
 	@$(BIN)/ruff format --check --quiet . || { echo 'ruff format: run `make format`'; exit 1; }
 	$(BIN)/ruff check --quiet .
 	$(BIN)/python scripts/generate_client.py --check
 	MYPY_NUM_WORKERS=2 $(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/codespell
+	scripts/check_javascript.sh
 	echo 'check: format, lint, generated client, types, import rules and spelling are in order'
 
 docs: $(INSTALLED)  ## the documentation as a site in build/site, links and anchors checked
@@ -69,6 +70,7 @@ format: $(INSTALLED)  ## put the sources in the house's format and renew the gen
 	@$(BIN)/ruff check --fix --quiet . || true
 	$(BIN)/ruff format --quiet .
 	$(BIN)/python scripts/generate_client.py
+	scripts/check_javascript.sh --fix
 
 test: setup servers engines check  ## all checks and the tests, without the long studies
 	@$(TESTS) --jobs $(JOBS) -m "not slow"
@@ -88,5 +90,5 @@ bench: setup servers  ## measure the speed of forward calculations and of the en
 	@for program in benchmarks/[a-z]*.py; do echo "== $$program"; $(BIN)/python "$$program"; done
 
 clean:  ## remove .venv, caches and build output
-	@rm -rf $(VENV) dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	@rm -rf $(VENV) node_modules dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -27,11 +27,11 @@ ELSEWHERE = ("own-program",)
 
 
 def tutorials() -> int:
-    """Follow the tutorials in their order with what is installed; return 1 where one does not do what it says."""
+    """Follow the tutorials in their order with what is installed; return 1 if one does not do what it says."""
     from tutorials import PAGES, ReaderError, follow
 
     names = re.findall(r"\]\(([\w-]+)\.md\)", (PAGES / "README.md").read_text(encoding="utf-8"))
-    failed = 0
+    failed: list[str] = []
     for name in names:
         if name in ELSEWHERE:
             continue
@@ -41,11 +41,10 @@ def tutorials() -> int:
                 follow(PAGES / f"{name}.md", Path(folder), installed=True)
             except ReaderError as error:
                 print(error, file=sys.stderr)
-                failed = 1
-        print(f"{name}: {'failed' if failed else 'done'} after {time.monotonic() - began:.0f} s", flush=True)
-        if failed:
-            break
-    return failed
+                failed.append(name)
+        state = "failed" if name in failed else "done"
+        print(f"{name}: {state} after {time.monotonic() - began:.0f} s", flush=True)
+    return 1 if failed else 0
 
 
 def main() -> int:

@@ -14,6 +14,8 @@ from benchmarks.search.methods import LIMIT, METHODS
 from benchmarks.search.problems import PROBLEMS
 
 LARGEST_RATIO = 100.0
+MEASURED = "until 22 November 2026 with the development version of 0.2.0"
+"""When and with which version ``results.json`` was written; change it with that file."""
 
 
 @click.command()
@@ -37,6 +39,7 @@ def table(known: dict[str, list[list[float]]]) -> str:
         f"Forward runs and generations until the target is reached: median and 90th percentile, {LIMIT} runs at most,",
         "unsolved ones count as more than that. Ten particles a generation; `least_squares` runs one after the other.",
         "Own time is the processor time that a method itself takes, a generation.",
+        f"Measured {MEASURED}; changes of the search after that are not included.",
         "Written by `python -m benchmarks.search.report`.",
         "",
         "| problem | method | seeds | runs, median | runs, 90 % | generations, median | 90 % | solved | own time, ms |",

@@ -178,12 +178,12 @@ def _told(problem: Problem, reason: str | None, workers: int) -> int:
     """Number of workers there can be; what does not hold is warned of."""
     limited = problem.limits != Limits()
     if problem.forward_model.only_here:
-        lost = "Several workers and limits do not hold."
+        lost = "It runs with one worker and without limits."
         called = getattr(problem.forward_model, "function", "the function")
         warn_in_process(called, reason or "belongs to this Python session", lost=lost)
         return 1
     if limited and not WATCHED:
-        message = "limits hold on Linux only: on this system, end a run that hangs by hand"
+        message = "limits apply on Linux only: on this system, press Ctrl-C to stop a run that hangs"
         warnings.warn(message, InProcessWarning, stacklevel=3)
     return workers
 

@@ -87,7 +87,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "profile": CommandEntry(
         "local.follow_ups",
         _RESULTS,
-        "Calculate profile likelihoods: intervals that hold for nonlinear models, and open ends.",
+        "Calculate profile likelihoods: intervals that are valid for nonlinear models, and open ends.",
     ),
     "jackknife": CommandEntry(
         "local.follow_ups",

@@ -135,7 +135,7 @@ def serve_command(
 ) -> None:
     """Serve jobs over HTTP, with local or remote workers.
 
-    Without a broker, forward runs are done by worker processes that this command starts and watches (embedded
+    Without a broker, this command starts and monitors worker processes for the forward runs (embedded
     engine). With one, start 'geoswarm worker' on any number of machines. Without a database URL, jobs are kept in
     geoswarm.db in the working folder.
 
@@ -281,7 +281,7 @@ def worker_command(
 def sweep_command(database: str | None, broker: str | None, log_level: str, log_format: str) -> None:
     """Monitor jobs and redispatch overdue evaluations.
 
-    Every service and worker does this, too. A sweep of its own keeps jobs going while no service runs.
+    Every service and worker does this, too. A separate sweep keeps jobs running while no service runs.
     """
     from geoswarm.workers.hosts.alone import run_sweep
     from geoswarm.workers.settings import Settings

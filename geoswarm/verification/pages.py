@@ -23,10 +23,10 @@ INDEX = "README.md"
 FIGURES = "figures"
 TEMPLATES = Path(__file__).parent / "templates"
 HOW_TO_READ = (
-    "Every case compares what geoswarm calculates with a reference that is independent of it: a closed form, an "
-    "independent integration of the equations as they were published, or published numbers. The difference is relative "
-    "unless it says of what. The table of a case shows where it is largest, the contents the check that is nearest to "
-    "what is allowed. In figures, lines are geoswarm and circles the reference."
+    "Every case compares a result of geoswarm with an independent reference: a closed form, an independent "
+    "integration of the published equations, or published numbers. Differences are relative unless the table says "
+    "otherwise. The table of a case shows the value with the largest difference; the overview shows the check that is"
+    " closest to its allowed difference. In figures, lines are results of geoswarm and circles the reference."
 )
 
 
@@ -94,7 +94,7 @@ def _facts(where: Provenance, outcomes: Sequence[CaseResult]) -> str:
 
 
 def _page(chapter: Chapter, outcomes: Sequence[CaseResult]) -> str:
-    parts = [f"# Verification: {chapter.title}", f"How to read it: [Verification]({INDEX})."]
+    parts = [f"# Verification: {chapter.title}", f"How to read these pages: [Verification]({INDEX})."]
     for one in outcomes:
         parts += declared(one.case)
         if one.answer is None:
@@ -120,7 +120,11 @@ def declared(case: Case) -> list[str]:
         "Allowed difference": case.allowed,
     }
     rows = [f"- {name}: {_escaped(text)}" for name, text in facts.items()]
-    return [f"## {case.title}", _escaped(case.shows), "\n".join([*rows, f"- By itself: `geoswarm verify {case.name}`"])]
+    return [
+        f"## {case.title}",
+        _escaped(case.shows),
+        "\n".join([*rows, f"- To run it alone: `geoswarm verify {case.name}`"]),
+    ]
 
 
 def _table(rows: Sequence[Sequence[str]]) -> str:

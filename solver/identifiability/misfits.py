@@ -202,9 +202,13 @@ def _patterns_of(misfits: Sequence[Misfit]) -> list[Misfit]:
     return [m for m in misfits if m.reason not in ("stated_error", "gross_error")]
 
 
+def _place(m: Misfit) -> str:
+    return f"{m.x:.4g} {m.x_unit}" if m.x_unit else f"x = {m.x:.4g}"
+
+
 def _excluded(m: Misfit) -> str:
     """One reading that the others exclude."""
-    at = f"{m.x:.4g} {m.x_unit}".strip()
+    at = _place(m)
     side = "above" if m.largest < 0 else "below"
     found = (
         f"Reading {m.reading} of {m.series} (at {at}) lies {m.ratio or 0.0:.2g} standard deviations "
@@ -244,7 +248,7 @@ def _how_far(misfits: Sequence[Misfit], name: str) -> str:
         places = f"{name} in {staged}" if name else staged
     side = "above" if worst.largest > 0 else "below"
     rest = "" if whole is None else f", root mean square {_amount(whole.deviation, whole.unit)}"
-    at = f"{worst.x:.4g} {worst.x_unit}".strip()
+    at = _place(worst)
     return f"{places} by up to {_amount(abs(worst.largest), worst.unit)} (calculated {side} measured, near {at}){rest}"
 
 

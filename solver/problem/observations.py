@@ -232,6 +232,8 @@ def _build(
         return None, [Issue(f"{path}.gross_errors", nothing)]
     x, message = _checked_x(x[kept], points.x, kept, units["x"] or info.x_unit, info, stage_times(spec, section.series))
     if message:
+        if section.file is not None and section.x_unit is None and info.x_quantity == "stage":
+            message = (*message, "; for loads instead of numbers of stages give ", setting("x_unit", "kPa"))
         return None, [Issue.about(place, message, f"{path}.")]
     y = y[kept]
     count = points.counts[kept]

@@ -195,6 +195,22 @@ def test_who_waits_again_is_spared_a_look_that_was_just_made(app: App, service: 
     assert app.post(f"{AGENTS}leases", json=asked).json()["lease"] is not None
 
 
+def test_a_key_that_is_revoked_meanwhile_gets_no_work(app: App, service: JobService) -> None:
+    app("PUT", f"{AGENTS}models", json=announced())
+    keys = ApiKeys(service.store)
+
+    def revoke() -> None:
+        keys.revoke(next(key.id for key in keys.list() if key.role == "agent"))
+        service.submit(parse_problem(line_problem()))
+
+    timer = threading.Timer(0.5, revoke)
+    timer.start()
+    asked = {"agent": "pc-1", "slot": 1, "wait": 60}
+    assert app.post(f"{AGENTS}leases", json=asked).json() == {"lease": None}
+    timer.join()
+    assert app.post(f"{AGENTS}leases", json=asked).status_code == 401
+
+
 def test_who_signs_off_or_leaves_waits_no_longer(service: JobService) -> None:
     with live_server(service) as server, httpx.Client(base_url=server.url, timeout=PATIENCE) as client:
         watch: OpenWorkWatch = server.server.config.app.state.open_work  # type: ignore[union-attr]

@@ -68,3 +68,5 @@ def test_workflows_give_no_more_rights_than_needed_and_name_what_they_use(path: 
             assert "uses" not in step or re.fullmatch(r"[\w.-]+/[\w.-]+@[\w./-]+", step["uses"])
             for script in re.findall(r"(?:^|\s)(scripts/\w+\.py|\.ci/run)", step.get("run", "")):
                 assert (ROOT / script).is_file(), script
+            for folder in re.findall(r"--output-file (\S+)/", step.get("run", "")):  # cyclonedx-py makes none
+                assert f"mkdir {folder}\n" in step["run"]

@@ -85,14 +85,14 @@ def test_a_unit_of_another_dimension_blocks(embedded: Site, visit: Visit, headin
     """Kilopascals became metres."""
     page, _ = visit(embedded, "/new?example=oedometer")
     mapping = drop(page, f"time [min],{heading}\n1,2\n2,3\n")
-    said = f"“{heading}” is in {unit}, but settlement of settlement needs a unit such as um, mm, cm"
+    said = f"“{heading}” is in {unit}, but settlement needs a unit such as um, mm, cm"
     expect(mapping.get_by_role("alert")).to_contain_text(said)
     expect(mapping.get_by_label("Unit of y")).to_have_value(unit)
     expect(page.locator("#take")).to_be_disabled()
     mapping.get_by_label("Unit of y").fill("mm")  # the heading was wrong
     expect(page.locator("#take")).to_be_enabled()
     mapping.get_by_label("Unit of y").fill("MPa")
-    expect(mapping.get_by_role("alert")).to_contain_text("MPa is given, but settlement of settlement needs a unit")
+    expect(mapping.get_by_role("alert")).to_contain_text("MPa is given, but settlement needs a unit")
     expect(page.locator("#take")).to_be_disabled()
     check_accessibility(page, ".mapping")
 

@@ -87,7 +87,7 @@ def test_axes_can_be_given() -> None:
 @pytest.mark.parametrize("limited", [False, True])
 def test_a_lambda_stays_here_and_says_so(limited: bool) -> None:
     limits = {"limits": {"seconds_per_evaluation": 60}} if limited else {}
-    with pytest.warns(gs.InProcessWarning, match="because it is a lambda.*\n.*limits do not hold") as caught:
+    with pytest.warns(gs.InProcessWarning, match="because it is a lambda.*\n.*without limits") as caught:
         result = gs.calibrate(lambda x, a, b: a + b * x, **OPTIONS, **limits, workers=2)
     assert [Path(one.filename) for one in caught] == [Path(__file__)]
     assert 50 <= result.evaluations <= 60

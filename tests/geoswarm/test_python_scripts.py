@@ -70,7 +70,7 @@ def test_a_script_without_guard_says_what_to_do(tmp_path: Path, how: str) -> Non
     assert "<Result max_evaluations: objective" in done.stdout
     told = "was not written in a file" if how else 'put the call below if __name__ == "__main__":'
     assert told in done.stderr
-    assert "Several workers and limits do not hold" in done.stderr
+    assert "It runs with one worker and without limits" in done.stderr
 
 
 def test_a_function_of_a_file_that_calibrates_when_it_is_imported(tmp_path: Path) -> None:

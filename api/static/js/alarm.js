@@ -16,7 +16,23 @@ export function alarm(fit, job, link = true) {
   if (!fit?.headline) return [];
   const may = document.body.dataset.maySubmit === "true";
   const editable = may && link && fit.what_to_do.some(({ changes }) => changes.length);
-  return [element("section", { class: "alarm", role: "alert" }, element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`), element("p", {}, fit.sentence),
-    element("p", {}, element("strong", {}, "What to do:")), element("ol", {}, fit.what_to_do.map((remedy) => element("li", {}, remedyWords(remedy), may ? recalculations(remedy, job) : null))),
-    editable ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem")) : null)];
+  return [
+    element(
+      "section",
+      { class: "alarm", role: "alert" },
+      element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`),
+      element("p", {}, fit.sentence),
+      element("p", {}, element("strong", {}, "What to do:")),
+      element(
+        "ol",
+        {},
+        fit.what_to_do.map((remedy) =>
+          element("li", {}, remedyWords(remedy), may ? recalculations(remedy, job) : null),
+        ),
+      ),
+      editable
+        ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem"))
+        : null,
+    ),
+  ];
 }

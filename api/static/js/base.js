@@ -27,7 +27,9 @@ button.addEventListener("click", () => {
   const now = document.documentElement.dataset.theme ?? "system";
   choose(THEMES[(THEMES.indexOf(now) + 1) % THEMES.length]);
 });
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => document.dispatchEvent(new Event("themechange")));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () =>
+  document.dispatchEvent(new Event("themechange")),
+);
 
 document.getElementById("sign-out")?.addEventListener("click", async () => {
   try {

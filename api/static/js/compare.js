@@ -6,7 +6,10 @@ import { connection, element, empty, exchange, failure } from "./dom.js";
 import { get } from "./http.js";
 import { ENDED } from "./states.js";
 
-const INTERVAL = 4000, MOST = 6, LISTED = 100, POINTS = 1000;
+const INTERVAL = 4000,
+  MOST = 6,
+  LISTED = 100,
+  POINTS = 1000;
 const ids = document.querySelector("main").dataset.jobs.split(" ").filter(Boolean);
 const content = document.getElementById("content");
 
@@ -14,19 +17,33 @@ async function load(id, before) {
   const job = await get(`/jobs/${id}`);
   if (before && before.job.last_event === job.last_event) return { ...before, job };
   const better = before?.job.objective !== job.objective || before?.fit === undefined;
-  const [{ items: course }, fit] = await Promise.all([get(`/jobs/${id}/generations`, { points: POINTS, limit: POINTS }), better ? get(`/jobs/${id}/fit`) : before.fit]);
+  const [{ items: course }, fit] = await Promise.all([
+    get(`/jobs/${id}/generations`, { points: POINTS, limit: POINTS }),
+    better ? get(`/jobs/${id}/fit`) : before.fit,
+  ]);
   return { job, course, fit };
 }
 
 async function run() {
-  const places = Object.fromEntries(["facts", "parameters", "convergence", "fits"].map((name) => [name, element("div", { id: name })]));
+  const places = Object.fromEntries(
+    ["facts", "parameters", "convergence", "fits"].map((name) => [name, element("div", { id: name })]),
+  );
   content.replaceChildren(
-    places.facts, element("p", { id: "ranking", class: "help", role: "status" }),
-    element("h2", {}, "Parameters at the best objective"), places.parameters,
-    element("h2", {}, "Convergence"), places.convergence,
-    element("h2", {}, "Fits"), places.fits);
-    for (const place of Object.values(places)) place.replaceChildren(empty("Loading …"));
-  let loaded = [], told = null, rank = null, convergence = null, fits = null;
+    places.facts,
+    element("p", { id: "ranking", class: "help", role: "status" }),
+    element("h2", {}, "Parameters at the best objective"),
+    places.parameters,
+    element("h2", {}, "Convergence"),
+    places.convergence,
+    element("h2", {}, "Fits"),
+    places.fits,
+  );
+  for (const place of Object.values(places)) place.replaceChildren(empty("Loading …"));
+  let loaded = [],
+    told = null,
+    rank = null,
+    convergence = null,
+    fits = null;
   const show = async () => {
     loaded = await Promise.all(ids.map((id, i) => load(id, loaded[i])));
     connection(null);
@@ -58,12 +75,15 @@ async function run() {
 }
 
 async function offer() {
-  const form = document.getElementById("add"), select = document.getElementById("another");
+  const form = document.getElementById("add"),
+    select = document.getElementById("another");
   if (ids.length >= MOST) return;
   const { items } = await get("/jobs", { limit: LISTED });
   const others = items.filter(({ id }) => !ids.includes(id));
   if (!others.length) return;
-  select.replaceChildren(...others.map((job) => element("option", { value: job.id }, `${job.name} (${job.state}, ${job.id.slice(0, 6)})`)));
+  select.replaceChildren(
+    ...others.map((job) => element("option", { value: job.id }, `${job.name} (${job.state}, ${job.id.slice(0, 6)})`)),
+  );
   form.hidden = false;
   form.addEventListener("submit", (event) => {
     event.preventDefault();

@@ -3,12 +3,20 @@ import { confirmed } from "./dom.js";
 import { count, duration } from "./format.js";
 
 export const FOLLOW_UPS = {
-  sensitivity: "Sensitivities at the optimum", profile: "Profile objectives", jackknife: "Leaving out one test at a time", explore: "Exploration for further basins",
-  predict: "Prediction", design: "Which test next",
-  sobol: "Global sensitivity (Sobol)", morris: "Global sensitivity (Morris)",
+  sensitivity: "Sensitivities at the optimum",
+  profile: "Profile objectives",
+  jackknife: "Leaving out one test at a time",
+  explore: "Exploration for further basins",
+  predict: "Prediction",
+  design: "Which test next",
+  sobol: "Global sensitivity (Sobol)",
+  morris: "Global sensitivity (Morris)",
 };
 export const BUTTONS = {
-  sensitivity: "Sensitivities at the optimum", profile: "Profiles of all parameters", jackknife: "Leave out one test at a time", explore: "Look for further basins",
+  sensitivity: "Sensitivities at the optimum",
+  profile: "Profiles of all parameters",
+  jackknife: "Leave out one test at a time",
+  explore: "Look for further basins",
 };
 const LONG = 60; // s
 
@@ -21,5 +29,8 @@ export function costWords({ evaluations, exact, seconds }) {
 /** Whether to begin: the user confirms what takes more than a minute, or an unknown time. */
 export async function affordable(words, cost) {
   if (!cost || (cost.seconds !== null && cost.seconds <= LONG)) return true;
-  return confirmed(`${words}: ${costWords(cost)}${cost.seconds === null ? ", time not known yet" : ""}. Start?`, "Start");
+  return confirmed(
+    `${words}: ${costWords(cost)}${cost.seconds === null ? ", time not known yet" : ""}. Start?`,
+    "Start",
+  );
 }

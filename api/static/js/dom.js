@@ -32,7 +32,9 @@ export function announce(text, seconds = 6) {
   const place = document.getElementById("status");
   place.textContent = text;
   clearTimeout(announce.timer);
-  announce.timer = setTimeout(() => { place.textContent = ""; }, 1000 * seconds);
+  announce.timer = setTimeout(() => {
+    place.textContent = "";
+  }, 1000 * seconds);
 }
 
 /** Show that the connection is lost (a text) or there again (null). */
@@ -52,7 +54,8 @@ export function empty(...children) {
   return element("p", { class: "empty" }, ...children);
 }
 
-const control = (node) => [node.localName, node.getAttribute("href"), node.getAttribute("aria-label") ?? node.textContent].join(" ");
+const control = (node) =>
+  [node.localName, node.getAttribute("href"), node.getAttribute("aria-label") ?? node.textContent].join(" ");
 
 /**
  * Who is in a place with the keyboard: a function that brings them, when what stood there was replaced, to the control with
@@ -61,9 +64,12 @@ const control = (node) => [node.localName, node.getAttribute("href"), node.getAt
 function held(place) {
   const active = document.activeElement;
   if (!place.contains(active) || active === place) return () => {};
-  const { id, localName: kind, selectionStart: start, selectionEnd: end } = active, name = control(active);
+  const { id, localName: kind, selectionStart: start, selectionEnd: end } = active,
+    name = control(active);
   return () => {
-    const again = id ? document.getElementById(id) : [...place.querySelectorAll(kind)].find((node) => control(node) === name);
+    const again = id
+      ? document.getElementById(id)
+      : [...place.querySelectorAll(kind)].find((node) => control(node) === name);
     again?.focus({ preventScroll: true });
     if (again?.setSelectionRange && typeof start === "number") again.setSelectionRange(start, end);
   };
@@ -105,7 +111,13 @@ function opened(made) {
 export function dialog(title, ...children) {
   const id = `dialog-${++dialogs}`;
   const made = element("dialog", { "aria-labelledby": id }, element("h2", { id }, title), ...children);
-  made.append(element("div", { class: "buttons" }, element("button", { type: "button", class: "quiet", onclick: () => made.close() }, "Close")));
+  made.append(
+    element(
+      "div",
+      { class: "buttons" },
+      element("button", { type: "button", class: "quiet", onclick: () => made.close() }, "Close"),
+    ),
+  );
   return opened(made);
 }
 
@@ -114,11 +126,15 @@ export function confirmed(question, yes) {
   return new Promise((resolve) => {
     const id = `dialog-${++dialogs}`;
     const made = element(
-      "dialog", { "aria-labelledby": id },
+      "dialog",
+      { "aria-labelledby": id },
       element("p", { id }, question),
-      element("div", { class: "buttons" },
+      element(
+        "div",
+        { class: "buttons" },
         element("button", { type: "button", class: "danger", onclick: () => made.close("yes") }, yes),
-        element("button", { type: "button", class: "quiet", autofocus: true, onclick: () => made.close("") }, "No")),
+        element("button", { type: "button", class: "quiet", autofocus: true, onclick: () => made.close("") }, "No"),
+      ),
     );
     opened(made).addEventListener("close", () => resolve(made.returnValue === "yes"));
   });

@@ -14,14 +14,20 @@ export function number(value, digits = 4) {
 export function ends(low, high, least = 4) {
   const width = high - low;
   const size = Math.max(Math.abs(low), Math.abs(high));
-  const digits = width > 0 ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(0.1 * width)) + 1, least), 15) : 4;
+  const digits =
+    width > 0
+      ? Math.min(Math.max(Math.floor(Math.log10(size)) - Math.floor(Math.log10(0.1 * width)) + 1, least), 15)
+      : 4;
   return `${number(low, digits)} … ${number(high, digits)}`;
 }
 
-/** A value with the digits that an interval of this width leaves it: to a hundredth of the width, two at least. */
+/** A value with the digits that an interval of this width leaves it: to a tenth of the width, two at least. */
 export function precise(value, width) {
   if (!(width > 0) || !value) return number(value);
-  return number(value, Math.min(Math.max(Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(width)) + 2, 2), 10));
+  return number(
+    value,
+    Math.min(Math.max(Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(width)) + 2, 2), 10),
+  );
 }
 
 /** A coefficient with two decimals, never "-0.00". */
@@ -61,7 +67,9 @@ export function direction(series, quantity) {
 
 /** A value with its unit. */
 export function amount(value, unit, digits = 3) {
-  return value === null || !unit || ["1", "-", "dimensionless"].includes(unit) ? number(value, digits) : `${number(value, digits)} ${unit}`;
+  return value === null || !unit || ["1", "-", "dimensionless"].includes(unit)
+    ? number(value, digits)
+    : `${number(value, digits)} ${unit}`;
 }
 
 /** Unit of the objective: the square of that of the series ([{y_unit}]), nothing where they differ. */
@@ -76,7 +84,12 @@ export function duration(seconds) {
   if (seconds > 0 && seconds < 0.1) return `${number(1000 * seconds, 2)} ms`;
   if (seconds < 10) return `${number(seconds, 2)} s`;
   const whole = Math.round(seconds);
-  const steps = [["d", 86400], ["h", 3600], ["min", 60], ["s", 1]];
+  const steps = [
+    ["d", 86400],
+    ["h", 3600],
+    ["min", 60],
+    ["s", 1],
+  ];
   const first = steps.findIndex(([, size]) => whole >= size);
   const [unit, size] = steps[first];
   const next = steps[first + 1];
@@ -88,7 +101,9 @@ export function duration(seconds) {
 export function age(timestamp, now = Date.now()) {
   if (!timestamp) return "–";
   const seconds = Math.max(0, (now - new Date(timestamp).getTime()) / 1000);
-  return seconds < 10 ? "just now" : `${duration(seconds < 60 ? 10 * Math.floor(seconds / 10) : seconds - (seconds % 60))} ago`;
+  return seconds < 10
+    ? "just now"
+    : `${duration(seconds < 60 ? 10 * Math.floor(seconds / 10) : seconds - (seconds % 60))} ago`;
 }
 
 /** A timestamp in the reader's own time zone. */
@@ -96,7 +111,17 @@ export function moment(timestamp) {
   return timestamp ? new Date(timestamp).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "medium" }) : "–";
 }
 
-const SYMBOLS = { lambda_star: "λ*", kappa_star: "κ*", mu_star: "μ*", lambda: "λ", kappa: "κ", phi: "φ", psi: "ψ", nu: "ν", nu_ur: "ν_ur" };
+const SYMBOLS = {
+  lambda_star: "λ*",
+  kappa_star: "κ*",
+  mu_star: "μ*",
+  lambda: "λ",
+  kappa: "κ",
+  phi: "φ",
+  psi: "ψ",
+  nu: "ν",
+  nu_ur: "ν_ur",
+};
 
 /** A parameter's label in the field's letters; names with a part before a dot keep it. */
 export function symbol(name) {

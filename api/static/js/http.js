@@ -66,7 +66,11 @@ async function explained(answer) {
     const problem = await answer.json();
     const wait = answer.headers.get("Retry-After");
     const text = problem.detail ?? problem.title ?? `The service answered ${answer.status}.`;
-    return new RequestError(wait && !text.includes(`${wait} s`) ? `${text} Try again in ${wait} s.` : text, { ...problem, status: answer.status, issues: problem.issues ?? [] });
+    return new RequestError(wait && !text.includes(`${wait} s`) ? `${text} Try again in ${wait} s.` : text, {
+      ...problem,
+      status: answer.status,
+      issues: problem.issues ?? [],
+    });
   } catch {
     return new RequestError(`The service answered ${answer.status} ${answer.statusText}.`, { status: answer.status });
   }

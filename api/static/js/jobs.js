@@ -4,12 +4,16 @@ import { age, moment, symbol } from "./format.js";
 import { post, send } from "./http.js";
 import { renew } from "./renew.js";
 
-const INTERVAL = 3000, TYPING = 300, FEWEST = 2, MOST = 6;
+const INTERVAL = 3000,
+  TYPING = 300,
+  FEWEST = 2,
+  MOST = 6;
 const list = document.getElementById("list");
 const filters = document.getElementById("filters");
 const choose = document.getElementById("choose");
 const chosen = new Set(); // beyond the page that is shown
-const cancelChosen = document.getElementById("cancel-chosen"), deleteChosen = document.getElementById("delete-chosen");
+const cancelChosen = document.getElementById("cancel-chosen"),
+  deleteChosen = document.getElementById("delete-chosen");
 let asked = 0;
 
 function dress() {
@@ -28,9 +32,14 @@ function tell() {
   const button = choose.querySelector("button");
   button.disabled = chosen.size < FEWEST || chosen.size > MOST;
   for (const act of [cancelChosen, deleteChosen]) if (act) act.disabled = chosen.size === 0;
-  const what = chosen.size === 0 ? "Choose two to six jobs to compare, or any number to cancel or delete."
-    : chosen.size < FEWEST ? "1 job chosen; choose at least one more to compare."
-      : chosen.size > MOST ? `${chosen.size} jobs chosen; six is the most to compare.` : `${chosen.size} jobs chosen.`;
+  const what =
+    chosen.size === 0
+      ? "Choose two to six jobs to compare, or any number to cancel or delete."
+      : chosen.size < FEWEST
+        ? "1 job chosen; choose at least one more to compare."
+        : chosen.size > MOST
+          ? `${chosen.size} jobs chosen; six is the most to compare.`
+          : `${chosen.size} jobs chosen.`;
   const place = document.getElementById("chosen");
   if (place.textContent !== what) place.textContent = what;
 }
@@ -47,7 +56,9 @@ async function show(url = location.href) {
 }
 
 function filter() {
-  const words = new URLSearchParams([...new FormData(filters)].filter(([name, value]) => value && !(name === "sort" && value === "created")));
+  const words = new URLSearchParams(
+    [...new FormData(filters)].filter(([name, value]) => value && !(name === "sort" && value === "created")),
+  );
   const url = words.size ? `/?${words}` : "/";
   history.replaceState(null, "", url);
   return show(url);
@@ -71,7 +82,8 @@ list.addEventListener("change", ({ target }) => {
 });
 choose.addEventListener("submit", (event) => {
   event.preventDefault();
-  if (chosen.size >= FEWEST && chosen.size <= MOST) location.assign(`/compare?${new URLSearchParams([...chosen].map((id) => ["job", id]))}`);
+  if (chosen.size >= FEWEST && chosen.size <= MOST)
+    location.assign(`/compare?${new URLSearchParams([...chosen].map((id) => ["job", id]))}`);
 });
 
 /** One after the other; failures are listed with their reason, and stay chosen. */
@@ -88,16 +100,21 @@ async function forAll(work, done) {
       if (error.status === 404) chosen.delete(id);
     }
   }
-  announce(`${number} ${number === 1 ? "job" : "jobs"} ${done}${refused.length ? `; ${refused.length} not: ${refused[0]}` : "."}`, refused.length ? 12 : 6);
+  announce(
+    `${number} ${number === 1 ? "job" : "jobs"} ${done}${refused.length ? `; ${refused.length} not: ${refused[0]}` : "."}`,
+    refused.length ? 12 : 6,
+  );
   await show();
 }
 
 const many = () => (chosen.size === 1 ? "this job" : `these ${chosen.size} jobs`);
 cancelChosen?.addEventListener("click", async () => {
-  if (await confirmed(`Cancel ${many()} now? Results so far are kept.`, "Cancel them")) once(cancelChosen, () => forAll((id) => post(`/jobs/${id}/cancel`), "cancelled"));
+  if (await confirmed(`Cancel ${many()} now? Results so far are kept.`, "Cancel them"))
+    once(cancelChosen, () => forAll((id) => post(`/jobs/${id}/cancel`), "cancelled"));
 });
 deleteChosen?.addEventListener("click", async () => {
-  if (await confirmed(`Delete ${many()} and all evaluations permanently?`, "Delete")) once(deleteChosen, () => forAll((id) => send("DELETE", `/jobs/${id}`), "deleted"));
+  if (await confirmed(`Delete ${many()} and all evaluations permanently?`, "Delete"))
+    once(deleteChosen, () => forAll((id) => send("DELETE", `/jobs/${id}`), "deleted"));
 });
 
 for (const box of boxes()) if (box.checked) chosen.add(box.value); // kept by the browser over a reload

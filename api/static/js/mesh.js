@@ -29,10 +29,18 @@ async function begin(query = {}) {
   place("nothing").hidden = true;
   place("content").hidden = false;
   parts.scale ??= place("body").appendChild(element("div", { class: "scale" }));
-  parts.node ??= place("body").appendChild(element("p", { class: "help", role: "status", id: "node" }, "Point at a node, or go to it with shift and the arrow keys, to read its values."));
+  parts.node ??= place("body").appendChild(
+    element(
+      "p",
+      { class: "help", role: "status", id: "node" },
+      "Point at a node, or go to it with shift and the arrow keys, to read its values.",
+    ),
+  );
   parts.canvas ??= new BodyCanvas(place("body"), { onNode: pointed });
   parts.controls = controls(place("controls"), view.mesh, { onLook: show, onPeriod: read, onEvaluation: begin });
-  const lengths = view.mesh.vectors.flatMap(({ measured, calculated }) => [...measured, ...calculated]).map((value) => Math.abs(value ?? 0));
+  const lengths = view.mesh.vectors
+    .flatMap(({ measured, calculated }) => [...measured, ...calculated])
+    .map((value) => Math.abs(value ?? 0));
   view.unit = unitOf(Math.max(0, ...lengths));
   about();
   show(true);
@@ -59,7 +67,9 @@ async function read() {
     const limit = KEPT * largestFactor(mesh.nodes, fields.displacement, mesh.triangles);
     parts.controls.ready(roundDown(Math.min(Math.max(1, (0.03 * (right - left)) / (largest || 1e-12)), limit)), limit);
     place("vectors").replaceChildren(vectorTable(mesh.vectors, view.unit));
-    tell(`Largest displacement ${number(largest * view.unit.factor, 3)} ${view.unit.name}, largest shear strain ${number(100 * Math.max(...fields.shear_strain.flat()), 3)} %.`);
+    tell(
+      `Largest displacement ${number(largest * view.unit.factor, 3)} ${view.unit.name}, largest shear strain ${number(100 * Math.max(...fields.shear_strain.flat()), 3)} %.`,
+    );
     show();
   } catch (error) {
     tell(error.message);
@@ -69,21 +79,41 @@ async function read() {
 function show(anew = false) {
   const { mesh, fields } = view;
   const { quantity, factor, ...options } = parts.controls.look();
-  const places = fields && factor > 0 ? mesh.nodes.map(([x, y], i) => [x + factor * fields.displacement[i][0], y + factor * fields.displacement[i][1]]) : mesh.nodes;
+  const places =
+    fields && factor > 0
+      ? mesh.nodes.map(([x, y], i) => [x + factor * fields.displacement[i][0], y + factor * fields.displacement[i][1]])
+      : mesh.nodes;
   const shown = fields && quantity !== "regions" ? contour(quantity) : "regions";
   const label = `${shown === "regions" ? "Mesh with its regions" : `Contours of ${shown.name}`}, ${count(mesh.triangles.length)} triangles${fields && factor > 0 ? `, deformed ${factor} times` : ""}`;
-  parts.canvas.show({ mesh, places, outline: view.outline, shown, options, vectors: mesh.vectors, unit: view.unit, label }, anew === true);
+  parts.canvas.show(
+    { mesh, places, outline: view.outline, shown, options, vectors: mesh.vectors, unit: view.unit, label },
+    anew === true,
+  );
   legend(shown);
 }
 
 function contour(quantity) {
   const { mesh, fields, unit, sizes } = view;
-  const nodal = { size: (n) => sizes[n], ux: (n) => fields.displacement[n][0], uy: (n) => fields.displacement[n][1] }[quantity];
-  const names = { size: "displacement", ux: "horizontal displacement", uy: "vertical displacement", shear: "shear strain" };
+  const nodal = { size: (n) => sizes[n], ux: (n) => fields.displacement[n][0], uy: (n) => fields.displacement[n][1] }[
+    quantity
+  ];
+  const names = {
+    size: "displacement",
+    ux: "horizontal displacement",
+    uy: "vertical displacement",
+    shear: "shear strain",
+  };
   const factor = nodal ? unit.factor : 100;
   const value = nodal ? (e, k) => factor * nodal(mesh.triangles[e][k]) : (e, k) => factor * fields.shear_strain[e][k];
-  let low = Infinity, high = -Infinity;
-  mesh.triangles.forEach((_, e) => { for (let k = 0; k < 6; k += 1) { const here = value(e, k); if (here < low) low = here; if (here > high) high = here; } });
+  let low = Infinity,
+    high = -Infinity;
+  mesh.triangles.forEach((_, e) => {
+    for (let k = 0; k < 6; k += 1) {
+      const here = value(e, k);
+      if (here < low) low = here;
+      if (here > high) high = here;
+    }
+  });
   return { levels: levels(low, high), value, name: names[quantity], unit: nodal ? unit.name : "%" };
 }
 
@@ -98,13 +128,35 @@ function legend(shown) {
   const { mesh } = view;
   if (shown === "regions") {
     const colours = regionColours(mesh.region_names.length);
-    parts.scale.replaceChildren(...mesh.region_names.map((name, i) => element("span", { class: "region" }, swatch(colours[i]), name)));
+    parts.scale.replaceChildren(
+      ...mesh.region_names.map((name, i) => element("span", { class: "region" }, swatch(colours[i]), name)),
+    );
   } else {
     const bands = shown.levels.length - 1;
-    parts.scale.replaceChildren(element("span", {}, `${shown.name} [${shown.unit}]`), element("span", { class: "steps" }, Array.from({ length: bands }, (_, band) => element("span", { class: "step" }, swatch(bandColour(band, bands)), `${number(shown.levels[band], 3)}`)), element("span", { class: "step" }, element("canvas", { width: 1, height: 1, "aria-hidden": true }), number(shown.levels[bands], 3))));
+    parts.scale.replaceChildren(
+      element("span", {}, `${shown.name} [${shown.unit}]`),
+      element(
+        "span",
+        { class: "steps" },
+        Array.from({ length: bands }, (_, band) =>
+          element("span", { class: "step" }, swatch(bandColour(band, bands)), `${number(shown.levels[band], 3)}`),
+        ),
+        element(
+          "span",
+          { class: "step" },
+          element("canvas", { width: 1, height: 1, "aria-hidden": true }),
+          number(shown.levels[bands], 3),
+        ),
+      ),
+    );
   }
-  if (mesh.interfaces.length) parts.scale.append(element("span", { class: "region" }, swatch(colour(INTERFACE)), "interface"));
-  if (parts.controls.look().vectors && mesh.vectors.length) parts.scale.append(element("span", { class: "region" }, swatch(getComputedStyle(document.body).color), "measured"), element("span", { class: "region" }, swatch(regionColours(1)[0].replace("0.45", "1")), "calculated"));
+  if (mesh.interfaces.length)
+    parts.scale.append(element("span", { class: "region" }, swatch(colour(INTERFACE)), "interface"));
+  if (parts.controls.look().vectors && mesh.vectors.length)
+    parts.scale.append(
+      element("span", { class: "region" }, swatch(getComputedStyle(document.body).color), "measured"),
+      element("span", { class: "region" }, swatch(regionColours(1)[0].replace("0.45", "1")), "calculated"),
+    );
 }
 
 function pointed(node) {
@@ -116,7 +168,8 @@ function pointed(node) {
     const [ux, uy] = view.fields.displacement[node];
     told.push(`ux = ${number(ux * factor, 3)} ${name}, uy = ${number(uy * factor, 3)} ${name}`);
     const e = view.mesh.triangles.findIndex((nodes) => nodes.includes(node));
-    if (e >= 0) told.push(`shear strain ${number(100 * view.fields.shear_strain[e][view.mesh.triangles[e].indexOf(node)], 3)} %`);
+    if (e >= 0)
+      told.push(`shear strain ${number(100 * view.fields.shear_strain[e][view.mesh.triangles[e].indexOf(node)], 3)} %`);
   }
   parts.node.textContent = told.join("; ");
 }
@@ -125,12 +178,20 @@ function about() {
   const { mesh } = view;
   const [left, bottom, right, top] = box(mesh.nodes);
   const rows = [
-    ["Triangles of six nodes", count(mesh.triangles.length)], ["Nodes", count(mesh.nodes.length)], ["Interfaces", count(mesh.interfaces.length)],
+    ["Triangles of six nodes", count(mesh.triangles.length)],
+    ["Nodes", count(mesh.nodes.length)],
+    ["Interfaces", count(mesh.interfaces.length)],
     ["Size", `${number(right - left, 4)} m × ${number(top - bottom, 4)} m`],
-    ["Evaluation", mesh.generation === null ? "none yet" : `generation ${mesh.generation}, particle ${mesh.particle}`], [withUnit("Objective", mesh.objective_unit), number(mesh.objective)],
-    ...mesh.region_names.map((name, i) => [`Triangles of ${name}`, count(mesh.regions.filter((region) => region === i).length)]),
+    ["Evaluation", mesh.generation === null ? "none yet" : `generation ${mesh.generation}, particle ${mesh.particle}`],
+    [withUnit("Objective", mesh.objective_unit), number(mesh.objective)],
+    ...mesh.region_names.map((name, i) => [
+      `Triangles of ${name}`,
+      count(mesh.regions.filter((region) => region === i).length),
+    ]),
   ];
-  place("about").replaceChildren(...rows.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))));
+  place("about").replaceChildren(
+    ...rows.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))),
+  );
 }
 
 /** Metres, or millimetres where these are easier to read. */

@@ -16,7 +16,11 @@ import { undoBar } from "./new/undo.js";
 import { yamlPanel } from "./new/yaml.js";
 import { messageOf } from "./new/words.js";
 
-const EMPTY = { name: "calibration", method: { kind: "particle_swarm" }, stopping: { max_evaluations: 600, stagnation_generations: 25 } };
+const EMPTY = {
+  name: "calibration",
+  method: { kind: "particle_swarm" },
+  stopping: { max_evaluations: 600, stagnation_generations: 25 },
+};
 
 const main = document.querySelector("main");
 const content = document.getElementById("content");
@@ -29,11 +33,25 @@ async function open() {
   draft.document = await beginning(root, schemas);
   const context = { draft, root, schemas, begun: () => something(draft.document) };
   let strict = false;
-  content.replaceChildren(form(context, models.items, starting(draft, examples.items, jobs.items), () => strict, async () => {
-    strict = true;
-    return draft.judge();
-  }));
-  draft.on("answer", ({ issues }) => showIssues(content, issues.map((one) => ({ ...one, message: messageOf(one) })), strict));
+  content.replaceChildren(
+    form(
+      context,
+      models.items,
+      starting(draft, examples.items, jobs.items),
+      () => strict,
+      async () => {
+        strict = true;
+        return draft.judge();
+      },
+    ),
+  );
+  draft.on("answer", ({ issues }) =>
+    showIssues(
+      content,
+      issues.map((one) => ({ ...one, message: messageOf(one) })),
+      strict,
+    ),
+  );
   await draft.judge();
 }
 
@@ -51,7 +69,10 @@ function tidy(problem, root, schemas) {
   const kind = problem.forward_model?.kind;
   const section = root.$defs[`forward_model_${kind}`];
   const { forward_model: model, ...rest } = problem;
-  const left = { ...schemas.pruned(rest, { ...root, required: ["name", "parameters", "observations", "method", "stopping"] }), forward_model: section ? schemas.pruned(model, section) : model };
+  const left = {
+    ...schemas.pruned(rest, { ...root, required: ["name", "parameters", "observations", "method", "stopping"] }),
+    forward_model: section ? schemas.pruned(model, section) : model,
+  };
   left.name = `${problem.name} again`.slice(0, 200);
   delete left.seed;
   return left;
@@ -59,8 +80,19 @@ function tidy(problem, root, schemas) {
 
 function form(context, kinds, beginnings, strict, judged) {
   const { draft } = context;
-  const places = Object.fromEntries(["model", "measurements", "parameters", "method", "check", "yaml"].map((name) => [name, element("div", { id: `${name}-body` })]));
-  const section = (id, title, ...inside) => element("section", { class: "step", "aria-labelledby": `${id}-title` }, element("h2", { id: `${id}-title` }, title), inside);
+  const places = Object.fromEntries(
+    ["model", "measurements", "parameters", "method", "check", "yaml"].map((name) => [
+      name,
+      element("div", { id: `${name}-body` }),
+    ]),
+  );
+  const section = (id, title, ...inside) =>
+    element(
+      "section",
+      { class: "step", "aria-labelledby": `${id}-title` },
+      element("h2", { id: `${id}-title` }, title),
+      inside,
+    );
   const name = element("div", {});
   const drawName = () => name.replaceChildren(field(draft, ["name"], { label: "Name of the job", wide: true }));
   drawName();
@@ -70,21 +102,37 @@ function form(context, kinds, beginnings, strict, judged) {
   parametersSection(context, places.parameters);
   methodSection(context, places.method);
   yamlPanel(context, places.yaml, strict);
-  const beside = element("div", {}), inside = element("div", {});
+  const beside = element("div", {}),
+    inside = element("div", {});
   sketchPanel(context, beside, inside);
   checkSection(context, places.check, judged);
-  return element("div", { class: "new-job" },
+  return element(
+    "div",
+    { class: "new-job" },
     undoBar(context),
-    element("div", { class: "steps" },
-      beginnings, rail(context),
-      element("fieldset", { class: "held" },
+    element(
+      "div",
+      { class: "steps" },
+      beginnings,
+      rail(context),
+      element(
+        "fieldset",
+        { class: "held" },
         name,
         section("model", "1. Forward model", inside, places.model),
         section("measurements", "2. Measurements", places.measurements),
         section("parameters", "3. Parameters", places.parameters),
         section("method", "4. Method and stopping", places.method),
-        section("go", "5. Check and start", places.check, errorPlace([])))),
-    element("aside", { id: "yaml-panel", "aria-label": "Sketch and YAML of the problem" }, beside, element("fieldset", { class: "held" }, places.yaml)));
+        section("go", "5. Check and start", places.check, errorPlace([])),
+      ),
+    ),
+    element(
+      "aside",
+      { id: "yaml-panel", "aria-label": "Sketch and YAML of the problem" },
+      beside,
+      element("fieldset", { class: "held" }, places.yaml),
+    ),
+  );
 }
 
 /** Whether there is anything to lose. */
@@ -97,8 +145,17 @@ function hold(on) {
 
 /** Examples and earlier jobs to begin with, and an empty form. */
 function starting(draft, examples, jobs) {
-  const pick = element("select", { id: "example" }, element("option", { value: "" }, "choose …"), examples.map((one) => element("option", { value: one.name }, `${one.title} (${words(one.forward_model)})`)));
-  const about = element("p", { class: "help", id: "example-help" }, "Examples come with their data and can be started as they are.");
+  const pick = element(
+    "select",
+    { id: "example" },
+    element("option", { value: "" }, "choose …"),
+    examples.map((one) => element("option", { value: one.name }, `${one.title} (${words(one.forward_model)})`)),
+  );
+  const about = element(
+    "p",
+    { class: "help", id: "example-help" },
+    "Examples come with their data and can be started as they are.",
+  );
   const place = element("div", {});
   pick.addEventListener("change", async () => {
     const chosen = pick.value;
@@ -129,15 +186,46 @@ function starting(draft, examples, jobs) {
     if (begun) back("The form was cleared.");
   };
   const anew = element("button", { type: "button", class: "quiet", onclick: startAnew }, "Start over");
-  const earlier = element("select", { id: "earlier" }, element("option", { value: "" }, "choose …"), jobs.map((one) => element("option", { value: one.id, selected: one.id === main.dataset.from }, `${one.name} (${one.state}, ${age(one.created_at)})`)));
-  earlier.addEventListener("change", () => { if (earlier.value) location.assign(`/new?from=${earlier.value}`); });
-  const file = element("button", { type: "button", class: "quiet", onclick: () => document.getElementById("file").click() }, "Choose an AGS 4 file");
-  return element("div", { class: "beginning" },
-    element("div", { class: "fields" },
+  const earlier = element(
+    "select",
+    { id: "earlier" },
+    element("option", { value: "" }, "choose …"),
+    jobs.map((one) =>
+      element(
+        "option",
+        { value: one.id, selected: one.id === main.dataset.from },
+        `${one.name} (${one.state}, ${age(one.created_at)})`,
+      ),
+    ),
+  );
+  earlier.addEventListener("change", () => {
+    if (earlier.value) location.assign(`/new?from=${earlier.value}`);
+  });
+  const file = element(
+    "button",
+    { type: "button", class: "quiet", onclick: () => document.getElementById("file").click() },
+    "Choose an AGS 4 file",
+  );
+  return element(
+    "div",
+    { class: "beginning" },
+    element(
+      "div",
+      { class: "fields" },
       element("div", { class: "field" }, element("label", { for: "example" }, "Start from an example"), pick),
-      jobs.length ? element("div", { class: "field" }, element("label", { for: "earlier" }, "or with an earlier job"), earlier) : null,
-      element("div", { class: "field", role: "group", "aria-label": "or with tests of a laboratory" }, element("span", { class: "label" }, "or with tests of a laboratory"), file)),
-    element("div", { class: "with-unit" }, about, anew), place);
+      jobs.length
+        ? element("div", { class: "field" }, element("label", { for: "earlier" }, "or with an earlier job"), earlier)
+        : null,
+      element(
+        "div",
+        { class: "field", role: "group", "aria-label": "or with tests of a laboratory" },
+        element("span", { class: "label" }, "or with tests of a laboratory"),
+        file,
+      ),
+    ),
+    element("div", { class: "with-unit" }, about, anew),
+    place,
+  );
 }
 
 open().catch((error) => content.replaceChildren(failure(error)));

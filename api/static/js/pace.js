@@ -15,12 +15,19 @@ export function leave(goes) {
  * service could not be asked is asked again later.
  */
 export function paced(work, interval, place = null) {
-  let due = false, busy = false, last = -Infinity, timer = null, seen = place === null;
+  let due = false,
+    busy = false,
+    last = -Infinity,
+    timer = null,
+    seen = place === null;
   async function look() {
     clearTimeout(timer);
     if (!due || busy || !seen || leaving || document.hidden) return;
     const rest = last + interval - performance.now();
-    if (rest > 0) { timer = setTimeout(look, rest); return; }
+    if (rest > 0) {
+      timer = setTimeout(look, rest);
+      return;
+    }
     due = false;
     busy = true;
     last = performance.now();
@@ -36,11 +43,17 @@ export function paced(work, interval, place = null) {
     }
   }
   if (place) {
-    new IntersectionObserver((entries) => {
-      seen = entries.at(-1).isIntersecting;
-      look();
-    }, { rootMargin: "200px" }).observe(place);
+    new IntersectionObserver(
+      (entries) => {
+        seen = entries.at(-1).isIntersecting;
+        look();
+      },
+      { rootMargin: "200px" },
+    ).observe(place);
   }
   document.addEventListener("visibilitychange", look);
-  return () => { due = true; look(); };
+  return () => {
+    due = true;
+    look();
+  };
 }

@@ -33,7 +33,14 @@ export const SYMBOLS = ["circle", "square", "diamond", "cross", "triangle-up", "
 
 /** Readings that do not count: crosses, as they are struck out by hand. */
 export function grossErrors(x, y) {
-  return { type: "scatter", mode: "markers", name: "gross error", x, y, marker: { color: palette()[1], symbol: "x-thin", size: 9, line: { color: palette()[1], width: 2 } } };
+  return {
+    type: "scatter",
+    mode: "markers",
+    name: "gross error",
+    x,
+    y,
+    marker: { color: palette()[1], symbol: "x-thin", size: 9, line: { color: palette()[1], width: 2 } },
+  };
 }
 
 const merged = (base, over) => {
@@ -48,12 +55,22 @@ const merged = (base, over) => {
 function dressed(layout) {
   const [ink, grid, edge, muted] = ["--ink", "--plot-grid", "--edge", "--muted"].map(colour);
   const axis = {
-    gridcolor: grid, linecolor: edge, zerolinecolor: grid, tickcolor: edge, showline: true, ticks: "outside",
-    automargin: true, exponentformat: "power", minexponent: 5, title: { standoff: 8 },
+    gridcolor: grid,
+    linecolor: edge,
+    zerolinecolor: grid,
+    tickcolor: edge,
+    showline: true,
+    ticks: "outside",
+    automargin: true,
+    exponentformat: "power",
+    minexponent: 5,
+    title: { standoff: 8 },
   };
   const base = {
     font: { family: "system-ui, sans-serif", size: 12, color: ink },
-    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", colorway: palette(),
+    paper_bgcolor: "rgba(0,0,0,0)",
+    plot_bgcolor: "rgba(0,0,0,0)",
+    colorway: palette(),
     margin: { l: 56, r: 16, t: 16, b: 48 },
     legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: { color: ink } },
     hoverlabel: { bgcolor: colour("--raised"), bordercolor: edge, font: { color: ink } },
@@ -61,7 +78,11 @@ function dressed(layout) {
     hovermode: "closest",
   };
   const dress = merged(base, layout);
-  for (const name of new Set(["xaxis", "yaxis", ...Object.keys(layout ?? {}).filter((key) => /^[xy]axis\d*$/.test(key))])) {
+  for (const name of new Set([
+    "xaxis",
+    "yaxis",
+    ...Object.keys(layout ?? {}).filter((key) => /^[xy]axis\d*$/.test(key)),
+  ])) {
     const sparse = layout?.[name]?.type === "log" ? { nticks: 4 } : {}; // else 9, 8 and 7 lie upon each other
     dress[name] = merged({ ...axis, ...sparse }, layout?.[name]);
   }
@@ -69,7 +90,12 @@ function dressed(layout) {
 }
 
 const NARROW = 720; // px: the toolbar would lie upon the legend, and fingers zoom without it
-const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"], showSendToCloud: false };
+const CONFIG = {
+  responsive: true,
+  displaylogo: false,
+  modeBarButtonsToRemove: ["select2d", "lasso2d"],
+  showSendToCloud: false,
+};
 
 /**
  * A plot in `place`. `make()` returns {data, layout, config?, label, columns?}: it is called again for every theme, so it
@@ -78,13 +104,29 @@ const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: [
  */
 export function plot(place, make) {
   const frame = element("div", { class: "plot", role: "figure" });
-  const table = element("details", { class: "plot-table", hidden: true }, element("summary", {}, "Numbers of this plot"));
-  const save = (form) => element("button", { type: "button", class: "link", "aria-label": `This plot as ${form.toUpperCase()}`, onclick: () => saved(frame, shown, form).catch((error) => announce(error.message)) }, form.toUpperCase());
+  const table = element(
+    "details",
+    { class: "plot-table", hidden: true },
+    element("summary", {}, "Numbers of this plot"),
+  );
+  const save = (form) =>
+    element(
+      "button",
+      {
+        type: "button",
+        class: "link",
+        "aria-label": `This plot as ${form.toUpperCase()}`,
+        onclick: () => saved(frame, shown, form).catch((error) => announce(error.message)),
+      },
+      form.toUpperCase(),
+    );
   const files = element("p", { class: "plot-files", hidden: true }, "Save as ", save("svg"), save("png"), save("csv"));
   place.replaceChildren(frame, files, table);
   let shown = null;
   const onTheme = () => draw();
-  table.addEventListener("toggle", () => { if (table.open && shown?.columns) fillTable(table, shown.columns); });
+  table.addEventListener("toggle", () => {
+    if (table.open && shown?.columns) fillTable(table, shown.columns);
+  });
   document.addEventListener("themechange", onTheme);
 
   async function draw() {
@@ -93,7 +135,11 @@ export function plot(place, make) {
     frame.setAttribute("aria-label", shown.label);
     table.hidden = files.hidden = !shown.columns;
     if (table.open && shown.columns) fillTable(table, shown.columns);
-    await Plotly.react(frame, shown.data, dressed(shown.layout), { ...CONFIG, displayModeBar: innerWidth < NARROW ? false : "hover", ...shown.config });
+    await Plotly.react(frame, shown.data, dressed(shown.layout), {
+      ...CONFIG,
+      displayModeBar: innerWidth < NARROW ? false : "hover",
+      ...shown.config,
+    });
     return frame;
   }
 
@@ -110,21 +156,61 @@ const MOST_ROWS = 500;
 function fillTable(details, columns) {
   const names = Object.keys(columns);
   const length = Math.max(0, ...names.map((name) => columns[name].length));
-  const cell = (value) => element("td", { class: typeof value === "number" ? "n" : null }, typeof value === "number" ? number(value, 6) : String(value ?? "–"));
-  const rows = Array.from({ length: Math.min(length, MOST_ROWS) }, (_, i) => element("tr", {}, names.map((name) => cell(columns[name][i]))));
+  const cell = (value) =>
+    element(
+      "td",
+      { class: typeof value === "number" ? "n" : null },
+      typeof value === "number" ? number(value, 6) : String(value ?? "–"),
+    );
+  const rows = Array.from({ length: Math.min(length, MOST_ROWS) }, (_, i) =>
+    element(
+      "tr",
+      {},
+      names.map((name) => cell(columns[name][i])),
+    ),
+  );
   details.querySelector(".wide")?.remove();
-  details.append(element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Numbers of the plot" },
-    element("table", {}, element("thead", {}, element("tr", {}, names.map((name) => element("th", { scope: "col" }, name)))), element("tbody", {}, rows)),
-    length > MOST_ROWS ? element("p", { class: "help" }, `The first ${MOST_ROWS} of ${length} rows.`) : null));
+  details.append(
+    element(
+      "div",
+      { class: "wide", tabindex: "0", role: "region", "aria-label": "Numbers of the plot" },
+      element(
+        "table",
+        {},
+        element(
+          "thead",
+          {},
+          element(
+            "tr",
+            {},
+            names.map((name) => element("th", { scope: "col" }, name)),
+          ),
+        ),
+        element("tbody", {}, rows),
+      ),
+      length > MOST_ROWS ? element("p", { class: "help" }, `The first ${MOST_ROWS} of ${length} rows.`) : null,
+    ),
+  );
 }
 
 /** Hand a plot to the browser as a file, in the colours of the page. */
 async function saved(frame, { label, columns }, form) {
-  const filename = label.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "").slice(0, 60) || "plot";
+  const filename =
+    label
+      .toLowerCase()
+      .replace(/[^a-z0-9]+/g, "-")
+      .replace(/^-|-$/g, "")
+      .slice(0, 60) || "plot";
   if (form !== "csv") {
     const Plotly = await plotly();
     const figure = { data: frame.data, layout: { ...frame.layout, paper_bgcolor: colour("--paper") } };
-    await Plotly.downloadImage(figure, { format: form, filename, width: frame.clientWidth, height: frame.clientHeight, scale: form === "png" ? 2 : 1 });
+    await Plotly.downloadImage(figure, {
+      format: form,
+      filename,
+      width: frame.clientWidth,
+      height: frame.clientHeight,
+      scale: form === "png" ? 2 : 1,
+    });
     return;
   }
   const address = URL.createObjectURL(new Blob([csvOf(columns)], { type: "text/csv" }));
@@ -135,7 +221,16 @@ async function saved(frame, { label, columns }, form) {
 /** Columns as CSV with all their digits; what a table of calculation would take for a formula is not a number and is quoted. */
 function csvOf(columns) {
   const names = Object.keys(columns);
-  const cell = (value) => (value === null || value === undefined ? "" : typeof value === "number" ? String(value) : `"${String(value).replace(/^(?=[=+\-@\t])/, "'").replaceAll('"', '""')}"`);
-  const rows = Array.from({ length: Math.max(0, ...names.map((name) => columns[name].length)) }, (_, i) => names.map((name) => cell(columns[name][i])).join(","));
+  const cell = (value) =>
+    value === null || value === undefined
+      ? ""
+      : typeof value === "number"
+        ? String(value)
+        : `"${String(value)
+            .replace(/^(?=[=+\-@\t])/, "'")
+            .replaceAll('"', '""')}"`;
+  const rows = Array.from({ length: Math.max(0, ...names.map((name) => columns[name].length)) }, (_, i) =>
+    names.map((name) => cell(columns[name][i])).join(","),
+  );
   return [names.map((name) => cell(name)).join(","), ...rows].join("\r\n") + "\r\n";
 }

@@ -8,45 +8,86 @@ const FIELDS = { x_from: "“From”", x_to: "“To”", leave_out_stages: "“S
 const EARLY = "“Of every stage, from so long after its load”";
 const least = (time) => (time < 10 ? Number(time.toPrecision(2)) : Math.round(time)); // as the command line words it
 const either = (ways) => (ways.length < 2 ? ways.join("") : `${ways.slice(0, -1).join(", ")} or ${ways.at(-1)}`);
-const ends = ({ stage_settlement: offered }) => (offered ? ", or calibrate the series stage_settlement, the values at the ends of the stages" : "");
+const ends = ({ stage_settlement: offered }) =>
+  offered ? ", or calibrate the series stage_settlement, the values at the ends of the stages" : "";
 
 const WORDS = {
-  gross_errors: ({ series, values: { readings }, changes }) => `Look up reading${readings.length > 1 ? "s" : ""} ${readings.join(", ")} of ${plain(series)}: ${either(["correct a slip", `enter ${readings.length > 1 ? "their numbers" : "its number"} under “Gross errors”`, ...(changes.includes("loss") ? ["choose a loss under “Outliers”"] : [])])}.`,
-  check_readings: () => "Check the readings first: their units and columns, the zero reading and the sign, and the size and the loads of the specimen.",
-  primary_consolidation: ({ series, values }) => `${plain(series)}: the readings of stage${values.stages.length > 1 ? "s" : ""} ${values.stages.join(", ")} look like primary consolidation (90 % after ${number(values.t90, 3)} ${values.unit}), which the soil laws do not contain. Leave out the ${count(values.readings)} readings before its end: enter ${least(values.t100)} ${values.unit} under ${EARLY}${ends(values)}.`,
-  stage_ends: ({ values }) => `Primary consolidation is not part of the soil laws: leave out readings before its end under ${EARLY}${ends(values)}.`,
-  change_model: ({ values, changes }) => `Look at the fit: ${changes.length ? `leave out what the model does not contain (${changes.map((key) => FIELDS[key] ?? key).join(", ")}), ` : ""}${values.fixed.length ? "free a parameter that is fixed, " : ""}or take another law.`,
-  thin: () => "If the model is right and the readings drift or depend on one another, only the intervals are wrong: thin the readings out until the residuals no longer follow one another.",
-  error: () => "Enter the error that the readings have under “Standard deviation of a reading”, or leave the field empty: the error is then estimated.",
+  gross_errors: ({ series, values: { readings }, changes }) =>
+    `Look up reading${readings.length > 1 ? "s" : ""} ${readings.join(", ")} of ${plain(series)}: ${either(["correct a slip", `enter ${readings.length > 1 ? "their numbers" : "its number"} under “Gross errors”`, ...(changes.includes("loss") ? ["choose a loss under “Outliers”"] : [])])}.`,
+  check_readings: () =>
+    "Check the readings first: their units and columns, the zero reading and the sign, and the size and the loads of the specimen.",
+  primary_consolidation: ({ series, values }) =>
+    `${plain(series)}: the readings of stage${values.stages.length > 1 ? "s" : ""} ${values.stages.join(", ")} look like primary consolidation (90 % after ${number(values.t90, 3)} ${values.unit}), which the soil laws do not contain. Leave out the ${count(values.readings)} readings before its end: enter ${least(values.t100)} ${values.unit} under ${EARLY}${ends(values)}.`,
+  stage_ends: ({ values }) =>
+    `Primary consolidation is not part of the soil laws: leave out readings before its end under ${EARLY}${ends(values)}.`,
+  change_model: ({ values, changes }) =>
+    `Look at the fit: ${changes.length ? `leave out what the model does not contain (${changes.map((key) => FIELDS[key] ?? key).join(", ")}), ` : ""}${values.fixed.length ? "free a parameter that is fixed, " : ""}or take another law.`,
+  thin: () =>
+    "If the model is right and the readings drift or depend on one another, only the intervals are wrong: thin the readings out until the residuals no longer follow one another.",
+  error: () =>
+    "Enter the error that the readings have under “Standard deviation of a reading”, or leave the field empty: the error is then estimated.",
   sensitivity: () => `“${BUTTONS.sensitivity}” refines the optimum, tests the fit and calculates intervals there.`,
   profile: () => `“${BUTTONS.profile}” calculates the interval by likelihood.`,
   explore: () => `“${BUTTONS.explore}” searches for further basins.`,
 };
 
 /** The problem with an observation changed. */
-const changed = (problem, series, change) => ({ ...problem, observations: problem.observations.map((one) => (one.series === series ? { ...one, ...change(one) } : one)) });
+const changed = (problem, series, change) => ({
+  ...problem,
+  observations: problem.observations.map((one) => (one.series === series ? { ...one, ...change(one) } : one)),
+});
 
 /** Changes of the problem that leave nothing to choose: the words of each, and what it makes of a problem. */
 const CHANGES = {
-  gross_errors: ({ series, values: { readings } }) => [[`Leave out reading${readings.length > 1 ? "s" : ""} ${readings.join(", ")} of ${plain(series)}`,
-    (problem) => changed(problem, series, ({ gross_errors: before }) => ({ gross_errors: [...new Set([...(before ?? []), ...readings])].sort((a, b) => a - b) }))]],
-  primary_consolidation: ({ series, values: { t100, unit } }) => [[`Leave out the first ${least(t100)} ${unit} of each stage of ${plain(series)}`,
-    (problem) => changed(problem, series, () => ({ stage_x_from: least(t100) }))]],
-  check_readings: ({ values: { units } }) => (units ?? []).map(({ series, key, unit }) => [`Read ${plain(series)} in ${unit}`,
-    (problem) => ({ ...changed(problem, series, () => ({ [key]: unit })), accept: (problem.accept ?? []).filter((name) => name !== series) })]),
+  gross_errors: ({ series, values: { readings } }) => [
+    [
+      `Leave out reading${readings.length > 1 ? "s" : ""} ${readings.join(", ")} of ${plain(series)}`,
+      (problem) =>
+        changed(problem, series, ({ gross_errors: before }) => ({
+          gross_errors: [...new Set([...(before ?? []), ...readings])].sort((a, b) => a - b),
+        })),
+    ],
+  ],
+  primary_consolidation: ({ series, values: { t100, unit } }) => [
+    [
+      `Leave out the first ${least(t100)} ${unit} of each stage of ${plain(series)}`,
+      (problem) => changed(problem, series, () => ({ stage_x_from: least(t100) })),
+    ],
+  ],
+  check_readings: ({ values: { units } }) =>
+    (units ?? []).map(({ series, key, unit }) => [
+      `Read ${plain(series)} in ${unit}`,
+      (problem) => ({
+        ...changed(problem, series, () => ({ [key]: unit })),
+        accept: (problem.accept ?? []).filter((name) => name !== series),
+      }),
+    ]),
 };
 
 /** Buttons that start a job again with a remedy done; none where there is something to choose. */
 export function recalculations(remedy, job) {
   return (CHANGES[remedy.kind]?.(remedy) ?? []).map(([words, change]) => {
     const message = element("p", { class: "error", role: "alert" });
-    const button = element("button", { type: "button", class: "quiet", onclick: () => once(button, begin) }, `${words} and recalculate`);
+    const button = element(
+      "button",
+      { type: "button", class: "quiet", onclick: () => once(button, begin) },
+      `${words} and recalculate`,
+    );
     async function begin() {
       message.textContent = "";
       try {
         const [problem, { items }] = await Promise.all([get(`/jobs/${job}/problem`), get(`/jobs/${job}/follow-ups`)]);
-        if (!(await affordable(words, items.find(({ kind }) => kind === "again")))) return;
-        const made = await post("/jobs", { ...change(problem), name: `${problem.name} (${words[0].toLowerCase()}${words.slice(1)})`.slice(0, 200) });
+        if (
+          !(await affordable(
+            words,
+            items.find(({ kind }) => kind === "again"),
+          ))
+        )
+          return;
+        const made = await post("/jobs", {
+          ...change(problem),
+          name: `${problem.name} (${words[0].toLowerCase()}${words.slice(1)})`.slice(0, 200),
+        });
         location.assign(`/jobs/${made.id}`);
       } catch (error) {
         message.textContent = error.message;
@@ -63,6 +104,22 @@ export function remedyWords(remedy) {
 
 /** Follow-ups among remedies, in words, with a button each where they can be started here. */
 export function followUps(remedies, start) {
-  return remedies.map((remedy) => element("div", { class: "proposal" }, element("p", {}, remedyWords(remedy)),
-    start ? element("div", { class: "buttons" }, element("button", { type: "button", class: "quiet", onclick: () => start(remedy.kind) }, BUTTONS[remedy.kind])) : null));
+  return remedies.map((remedy) =>
+    element(
+      "div",
+      { class: "proposal" },
+      element("p", {}, remedyWords(remedy)),
+      start
+        ? element(
+            "div",
+            { class: "buttons" },
+            element(
+              "button",
+              { type: "button", class: "quiet", onclick: () => start(remedy.kind) },
+              BUTTONS[remedy.kind],
+            ),
+          )
+        : null,
+    ),
+  );
 }

@@ -8,5 +8,12 @@ import { particles } from "./job/particles.js";
 import { readings } from "./job/readings.js";
 import { timeline } from "./job/timeline.js";
 
-const shown = [readings(), facts, document.getElementById("convergence") && convergence, particles, timeline, evaluations].filter(Boolean);
+const shown = [
+  readings(),
+  facts,
+  document.getElementById("convergence") && convergence,
+  particles,
+  timeline,
+  evaluations,
+].filter(Boolean);
 live(shown).catch((error) => connection(error.message));

@@ -9,7 +9,8 @@ form?.addEventListener("submit", (event) => {
 });
 
 async function signIn() {
-  const field = form.elements.key, place = document.getElementById("key-error");
+  const field = form.elements.key,
+    place = document.getElementById("key-error");
   const say = (text) => {
     place.textContent = text;
     field.setAttribute("aria-invalid", String(Boolean(text)));

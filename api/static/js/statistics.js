@@ -105,7 +105,8 @@ async function judged(threshold) {
 function judging(threshold) {
   if (!view.statistics) return;
   const unit = parts.unit ? ` ${parts.unit}` : "";
-  place("judging").textContent = `Updating the verdicts${threshold === null ? "" : ` for f ≤ ${number(threshold, 4)}${unit}`} … What is dimmed belongs to f ≤ ${number(view.statistics.threshold.value, 4)}${unit}.`;
+  place("judging").textContent =
+    `Updating the verdicts${threshold === null ? "" : ` for f ≤ ${number(threshold, 4)}${unit}`} … What is dimmed belongs to f ≤ ${number(view.statistics.threshold.value, 4)}${unit}.`;
   place("judged").setAttribute("aria-busy", "true");
 }
 
@@ -131,7 +132,15 @@ function build(points, values) {
   else place("plan").hidden = true;
   if (!parts.uncertainty) {
     parts.outlook = new Outlook(place("outlook"), { job, maySubmit, onBegun: () => parts.uncertainty.refresh() });
-    parts.uncertainty = new Uncertainty(place("uncertainty"), { job, maySubmit, units, objectiveUnit: unit, onFound: () => rested(view.asked), onCosts: (costs) => parts.plan?.price(costs.get("again")), onAnswer: (found) => parts.outlook.show(found) });
+    parts.uncertainty = new Uncertainty(place("uncertainty"), {
+      job,
+      maySubmit,
+      units,
+      objectiveUnit: unit,
+      onFound: () => rested(view.asked),
+      onCosts: (costs) => parts.plan?.price(costs.get("again")),
+      onAnswer: (found) => parts.outlook.show(found),
+    });
     parts.uncertainty.refresh();
   }
 }
@@ -163,9 +172,36 @@ function advise() {
   if (!lost) return;
   const all = view.cloud.inside();
   const lowest = all.length ? view.cloud.objective[all[0]] : null;
-  exchange(place("advice"), `No good fit lies inside these ranges${lowest === null ? ", and no other evaluation either" : `: the best evaluation there has f = ${number(lowest, 4)}`}. `,
-    lowest === null ? null : element("button", { type: "button", class: "quiet small", onclick: () => { const f = lowest * (1 + 1e-6); parts.slider.moved(f); } }, "Raise the threshold to it"),
-    element("button", { type: "button", class: "quiet small", onclick: () => { view.cloud.ranges.clear(); limited(); } }, "Remove the ranges"));
+  exchange(
+    place("advice"),
+    `No good fit lies inside these ranges${lowest === null ? ", and no other evaluation either" : `: the best evaluation there has f = ${number(lowest, 4)}`}. `,
+    lowest === null
+      ? null
+      : element(
+          "button",
+          {
+            type: "button",
+            class: "quiet small",
+            onclick: () => {
+              const f = lowest * (1 + 1e-6);
+              parts.slider.moved(f);
+            },
+          },
+          "Raise the threshold to it",
+        ),
+    element(
+      "button",
+      {
+        type: "button",
+        class: "quiet small",
+        onclick: () => {
+          view.cloud.ranges.clear();
+          limited();
+        },
+      },
+      "Remove the ranges",
+    ),
+  );
 }
 
 function moved(threshold) {
@@ -193,7 +229,7 @@ async function rested(threshold) {
 async function proposed() {
   if (view.cloud.reweighted) reweighted(view.cloud.ownWeights);
   setAddressValues({ threshold: null });
-  const statistics = await judged(view.asked = null);
+  const statistics = await judged((view.asked = null));
   if (!statistics) return;
   view.threshold = statistics.threshold.value;
   showStatistics(statistics);
@@ -209,16 +245,27 @@ function limited() {
 /** The ranges in the address, as natural values: ?range.c=5..20. */
 function rememberRanges() {
   const { cloud } = view;
-  setAddressValues(Object.fromEntries(cloud.parameters.map((parameter, i) => {
-    const range = cloud.ranges.get(i);
-    return [`range.${parameter.name}`, range ? range.map((unit) => Number(natural(parameter, unit).toPrecision(5))).join("..") : null];
-  })));
+  setAddressValues(
+    Object.fromEntries(
+      cloud.parameters.map((parameter, i) => {
+        const range = cloud.ranges.get(i);
+        return [
+          `range.${parameter.name}`,
+          range ? range.map((unit) => Number(natural(parameter, unit).toPrecision(5))).join("..") : null,
+        ];
+      }),
+    ),
+  );
 }
 
 function limitAsTold(cloud) {
   cloud.parameters.forEach((parameter, i) => {
     const ends = addressValues().get(`range.${parameter.name}`)?.split("..").map(Number);
-    if (ends?.length === 2 && ends.every(Number.isFinite)) cloud.limit(i, ends.map((value) => Math.max(0, Math.min(1, unitPlace(parameter, value) || 0))).sort((a, b) => a - b));
+    if (ends?.length === 2 && ends.every(Number.isFinite))
+      cloud.limit(
+        i,
+        ends.map((value) => Math.max(0, Math.min(1, unitPlace(parameter, value) || 0))).sort((a, b) => a - b),
+      );
   });
 }
 
@@ -228,10 +275,11 @@ function reweighted(weights) {
   const kept = Math.max(1, cloud.kept(view.threshold));
   if (!cloud.reweighted) view.before = view.threshold;
   cloud.reweight(weights);
-  view.threshold = cloud.reweighted ? cloud.objective[cloud.order[kept - 1]] : view.before ?? view.threshold;
+  view.threshold = cloud.reweighted ? cloud.objective[cloud.order[kept - 1]] : (view.before ?? view.threshold);
   parts.slider.fit(cloud, parts.unit);
   place("verdicts-note").hidden = !cloud.reweighted;
-  if (cloud.reweighted) parts.slider.why.textContent = "Other weights keep the number of good fits unless you move the slider.";
+  if (cloud.reweighted)
+    parts.slider.why.textContent = "Other weights keep the number of good fits unless you move the slider.";
   else if (view.statistics) showStatistics(view.statistics);
   showCloud();
 }
@@ -245,26 +293,58 @@ function showStatistics(statistics) {
   parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;
   const start = parts.plan ? (kind) => parts.uncertainty.start(kind) : null;
   const steps = [...(fit.kind === "untested" ? fit.what_to_do : []), ...statistics.basins.what_to_do];
-  place("warnings").replaceChildren(...warnings.map((text) => element("li", {}, text)), ...followUps(steps).map((step) => element("li", {}, step)));
+  place("warnings").replaceChildren(
+    ...warnings.map((text) => element("li", {}, text)),
+    ...followUps(steps).map((step) => element("li", {}, step)),
+  );
   place("verdicts").replaceChildren(...verdictCards(verdicts, parts.units, parts.plan, start));
   const details = place("correlations");
   details.replaceChildren(details.querySelector("summary"), correlationTable(correlations));
   const query = { threshold: threshold.origin === "given" ? threshold.value : null };
-  const file = (text, path, download) => element("a", { class: "button quiet", href: address(`/jobs/${job}${path}`, path.startsWith("/report") || path.startsWith("/figures") ? query : {}), download }, text);
+  const file = (text, path, download) =>
+    element(
+      "a",
+      {
+        class: "button quiet",
+        href: address(`/jobs/${job}${path}`, path.startsWith("/report") || path.startsWith("/figures") ? query : {}),
+        download,
+      },
+      text,
+    );
   place("downloads").replaceChildren(
-    file("Report (PDF)", "/report.pdf", `report-${job}.pdf`), file("Report (page)", "/report.html", null), file("Matrix plot (SVG)", "/figures/matrix.svg", `matrix-${job}.svg`),
-    file("Evaluations (CSV)", "/evaluations?format=csv", null), file("Statistics (JSON)", "/statistics", `statistics-${job}.json`));
+    file("Report (PDF)", "/report.pdf", `report-${job}.pdf`),
+    file("Report (page)", "/report.html", null),
+    file("Matrix plot (SVG)", "/figures/matrix.svg", `matrix-${job}.svg`),
+    file("Evaluations (CSV)", "/evaluations?format=csv", null),
+    file("Statistics (JSON)", "/statistics", `statistics-${job}.json`),
+  );
 }
 
 function legend() {
-  const bar = element("canvas", { width: COLOURS.length, height: 1, role: "img", "aria-label": "Colours of the good fits, from the best to the threshold" });
+  const bar = element("canvas", {
+    width: COLOURS.length,
+    height: 1,
+    role: "img",
+    "aria-label": "Colours of the good fits, from the best to the threshold",
+  });
   const context = bar.getContext("2d");
-  COLOURS.forEach((paint, i) => { context.fillStyle = paint; context.fillRect(i, 0, 1, 1); });
+  COLOURS.forEach((paint, i) => {
+    context.fillStyle = paint;
+    context.fillRect(i, 0, 1, 1);
+  });
   const unit = parts.unit ? ` ${parts.unit}` : "";
-  place("legend").replaceChildren(element("p", { class: "key" },
-    element("span", {}, `f = ${number(view.cloud.quantile(0), 3)} `, bar, ` ${number(view.threshold, 3)}${unit}`),
-    element("span", {}, element("i", {}, "— "), "lower envelope"), element("span", {}, element("i", {}, "+ "), "best"), element("span", {}, "- - threshold"), element("span", {}, "r: over natural values"),
-    element("span", {}, `grey: the other ${count(view.cloud.count - view.chosen.length)}`)));
+  place("legend").replaceChildren(
+    element(
+      "p",
+      { class: "key" },
+      element("span", {}, `f = ${number(view.cloud.quantile(0), 3)} `, bar, ` ${number(view.threshold, 3)}${unit}`),
+      element("span", {}, element("i", {}, "— "), "lower envelope"),
+      element("span", {}, element("i", {}, "+ "), "best"),
+      element("span", {}, "- - threshold"),
+      element("span", {}, "r: over natural values"),
+      element("span", {}, `grey: the other ${count(view.cloud.count - view.chosen.length)}`),
+    ),
+  );
 }
 
 async function begin() {
@@ -277,13 +357,17 @@ async function begin() {
   }
 }
 
-let renewed = Date.now(), waiting = null;
+let renewed = Date.now(),
+  waiting = null;
 function renew() {
-  waiting ??= setTimeout(async () => {
-    waiting = null;
-    renewed = Date.now();
-    await begin();
-  }, Math.max(0, renewed + 1000 * RENEW_SECONDS - Date.now()));
+  waiting ??= setTimeout(
+    async () => {
+      waiting = null;
+      renewed = Date.now();
+      await begin();
+    },
+    Math.max(0, renewed + 1000 * RENEW_SECONDS - Date.now()),
+  );
 }
 
 await begin();

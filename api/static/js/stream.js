@@ -7,7 +7,9 @@ import { address, get } from "./http.js";
 import { ENDED } from "./states.js";
 
 const KINDS = ["state", "generation", "kernels"];
-const SHORTEST = 1000, LONGEST = 30000, POLL = 2000;
+const SHORTEST = 1000,
+  LONGEST = 30000,
+  POLL = 2000;
 
 /**
  * Follow a job. `onEvent({id, kind, data})` in order, each once; `onConnection(true | false)` when the stream is there or
@@ -15,7 +17,11 @@ const SHORTEST = 1000, LONGEST = 30000, POLL = 2000;
  * known. Returns {close, last}.
  */
 export function follow(job, { onEvent, onConnection = () => {}, after = 0, state = null }) {
-  let last = after, closed = false, ended = ENDED.has(state), leading = null, release = null;
+  let last = after,
+    closed = false,
+    ended = ENDED.has(state),
+    leading = null,
+    release = null;
   const shared = "locks" in navigator && "BroadcastChannel" in window;
   const channel = shared ? new BroadcastChannel(`geoswarm:${job}`) : null;
   const stop = new AbortController();
@@ -47,12 +53,24 @@ export function follow(job, { onEvent, onConnection = () => {}, after = 0, state
   if (channel) {
     channel.onmessage = ({ data }) => receive(data);
     navigator.locks
-      .request(`geoswarm:${job}`, { signal: stop.signal }, () => new Promise((resolve) => {
-        if (closed) return resolve();
-        release = resolve;
-        leading = lead(job, () => last, tell, () => ended);
-      }))
-      .catch((error) => { if (error.name !== "AbortError") throw error; });
+      .request(
+        `geoswarm:${job}`,
+        { signal: stop.signal },
+        () =>
+          new Promise((resolve) => {
+            if (closed) return resolve();
+            release = resolve;
+            leading = lead(
+              job,
+              () => last,
+              tell,
+              () => ended,
+            );
+          }),
+      )
+      .catch((error) => {
+        if (error.name !== "AbortError") throw error;
+      });
     catchUp();
   } else {
     leading = poll(job, onEvent, onConnection);
@@ -68,7 +86,9 @@ export function follow(job, { onEvent, onConnection = () => {}, after = 0, state
   window.addEventListener("pageshow", wake);
 
   return {
-    get last() { return last; },
+    get last() {
+      return last;
+    },
     close() {
       closed = true;
       stop.abort();
@@ -84,14 +104,22 @@ export function follow(job, { onEvent, onConnection = () => {}, after = 0, state
 
 /** Read the stream itself, with longer and longer pauses while the service is away. */
 function lead(job, last, tell, ended) {
-  let source = null, timer = null, pause = SHORTEST, closed = false, heard = Date.now();
+  let source = null,
+    timer = null,
+    pause = SHORTEST,
+    closed = false,
+    heard = Date.now();
 
   function open(after = last()) {
     clearTimeout(timer);
     source?.close();
     if (closed) return;
     source = new EventSource(address(`/jobs/${job}/events`, { after }));
-    source.onopen = () => { pause = SHORTEST; heard = Date.now(); tell({ connected: true }); };
+    source.onopen = () => {
+      pause = SHORTEST;
+      heard = Date.now();
+      tell({ connected: true });
+    };
     for (const kind of KINDS) {
       source.addEventListener(kind, (event) => {
         heard = Date.now();
@@ -101,7 +129,10 @@ function lead(job, last, tell, ended) {
     source.onerror = async () => {
       source.close(); // its own way to reconnect gives up at the first answer that is not a stream
       if (closed) return;
-      if (ended()) { timer = setTimeout(watch, POLL); return; }
+      if (ended()) {
+        timer = setTimeout(watch, POLL);
+        return;
+      }
       tell({ connected: false });
       timer = setTimeout(again, pause * (0.75 + Math.random() / 2));
       pause = Math.min(2 * pause, LONGEST);
@@ -143,18 +174,28 @@ function lead(job, last, tell, ended) {
     wake() {
       if (!ended() && (source.readyState === EventSource.CLOSED || Date.now() - heard > LONGEST)) open();
     },
-    close() { closed = true; clearTimeout(timer); source?.close(); },
+    close() {
+      closed = true;
+      clearTimeout(timer);
+      source?.close();
+    },
   };
 }
 
 /** Without a shared stream: ask for the state and the newest generations. Events have the ids of their generations. */
 function poll(job, onEvent, onConnection) {
-  let timer = null, closed = false, state = null, number = -1;
+  let timer = null,
+    closed = false,
+    state = null,
+    number = -1;
   async function look() {
     clearTimeout(timer);
     let pause = POLL;
     try {
-      const [now, { items }] = await Promise.all([get(`/jobs/${job}`), get(`/jobs/${job}/generations`, { after: number, limit: 1000 })]);
+      const [now, { items }] = await Promise.all([
+        get(`/jobs/${job}`),
+        get(`/jobs/${job}/generations`, { after: number, limit: 1000 }),
+      ]);
       if (closed) return;
       onConnection(true);
       for (const generation of items) {
@@ -174,5 +215,11 @@ function poll(job, onEvent, onConnection) {
     if (!closed) timer = setTimeout(look, document.hidden ? 5 * pause : pause);
   }
   look();
-  return { wake: look, close() { closed = true; clearTimeout(timer); } };
+  return {
+    wake: look,
+    close() {
+      closed = true;
+      clearTimeout(timer);
+    },
+  };
 }

@@ -32,13 +32,23 @@ export function choose(family, unit) {
 
 /** Families that the quantities of a fit have: [{family, name, units, chosen}]. */
 export function choices(fit) {
-  const there = new Set(fit.series.flatMap(({ x_unit, y_unit }) => [familyOf(x_unit), familyOf(y_unit)]).filter(Boolean));
-  return Object.keys(FAMILIES).filter((name) => there.has(name)).map((family) => ({ family, name: FAMILIES[family].name, units: Object.keys(FAMILIES[family].units), chosen: chosen(family) }));
+  const there = new Set(
+    fit.series.flatMap(({ x_unit, y_unit }) => [familyOf(x_unit), familyOf(y_unit)]).filter(Boolean),
+  );
+  return Object.keys(FAMILIES)
+    .filter((name) => there.has(name))
+    .map((family) => ({
+      family,
+      name: FAMILIES[family].name,
+      units: Object.keys(FAMILIES[family].units),
+      chosen: chosen(family),
+    }));
 }
 
 /** The unit to show a unit of the data in, and the number of it in one of these. */
 function shownIn(unit) {
-  const family = familyOf(unit), wanted = family && chosen(family);
+  const family = familyOf(unit),
+    wanted = family && chosen(family);
   if (!wanted || wanted === known(unit)) return [unit, 1];
   const { units } = FAMILIES[family];
   return [wanted, units[known(unit)] / units[wanted]];
@@ -51,15 +61,26 @@ export function converted(fit) {
   return {
     ...fit,
     series: fit.series.map((one) => {
-      const { x: [x_unit, across], y: [y_unit, up] } = units.get(one.series);
+      const {
+        x: [x_unit, across],
+        y: [y_unit, up],
+      } = units.get(one.series);
       return {
-        ...one, x_unit, y_unit, x: one.x.map(by(across)), breaks: one.breaks.map(by(across)), gross_x: one.gross_x.map(by(across)),
-        measured: one.measured.map(by(up)), gross_measured: one.gross_measured.map(by(up)),
+        ...one,
+        x_unit,
+        y_unit,
+        x: one.x.map(by(across)),
+        breaks: one.breaks.map(by(across)),
+        gross_x: one.gross_x.map(by(across)),
+        measured: one.measured.map(by(up)),
+        gross_measured: one.gross_measured.map(by(up)),
       };
     }),
     curves: fit.curves.map((curve) => ({
       ...curve,
-      values: Object.fromEntries(Object.entries(curve.values).map(([name, values]) => [name, values.map(by(units.get(name).y[1]))])),
+      values: Object.fromEntries(
+        Object.entries(curve.values).map(([name, values]) => [name, values.map(by(units.get(name).y[1]))]),
+      ),
       shares: curve.shares.map((share) => {
         const [unit, factor] = shownIn(share.unit);
         return { ...share, unit, root_mean_square: by(factor)(share.root_mean_square) };

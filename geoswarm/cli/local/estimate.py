@@ -25,10 +25,10 @@ __all__ = ["estimate_command"]
 def estimate_command(problem: Path, as_json: bool) -> None:
     """Estimate parameters from the readings and index properties; no forward run.
 
-    Laboratory tests are evaluated as with a ruler (Cc, Cs, preconsolidation stress, c_v, Cα, Mohr circles, E50), the
-    section index_properties by published correlations; both are translated into the parameters of the law. The last
-    part of the answer is a section 'parameters' with bounds and estimates to begin with. The problem may still lack
-    'parameters' and 'stopping'.
+    Evaluates laboratory tests by the usual graphical constructions (Cc, Cs, preconsolidation stress, c_v, Cα, Mohr
+    circles, E50) and the section index_properties by published correlations, and converts both to parameters of the
+    law. Ends with a section 'parameters' with bounds and initial values to copy. The problem need not have
+    'parameters' and 'stopping' yet.
     """
     from geoswarm.solver.parameter_estimates.classical import classical_values
     from geoswarm.solver.parameter_estimates.index import estimates_of, index_document

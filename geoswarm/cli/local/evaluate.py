@@ -30,9 +30,9 @@ def evaluate_command(problem: Path, given: tuple[str, ...], as_json: bool) -> No
     """Run one forward calculation with given parameters.
 
     A free parameter without --set takes its 'initial' value from the problem file. Linked parameters follow from the
-    others. Values outside the bounds, or against a constraint, are calculated all the same, with a warning: the
-    bounds belong to the search. With --json all numbers are in base units (m, day, kPa), the tables without it are in
-    the units of the observations.
+    others. Values that lie outside the bounds or violate a constraint are calculated with a warning: bounds
+    apply only to the search. With --json, all numbers are in base units (m, day, kPa); without it, tables are in the
+    units of the observations.
     """
     from geoswarm.solver.calibration import Calibration
     from geoswarm.solver.problem import load_problem

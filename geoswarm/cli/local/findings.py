@@ -26,8 +26,8 @@ __all__ = ["posterior_command", "show_findings"]
 def posterior_command(source: str, noise: tuple[str, ...], as_json: bool, url: str, api_key: str | None) -> None:
     """Sample the posterior of the parameters from stored evaluations; no forward run.
 
-    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. The sample is drawn through a
-    response surface whose error is told. Needs emcee: pip install 'geoswarm[statistics]'.
+    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. The sample uses a
+    response surface, whose error is reported. Needs emcee: pip install 'geoswarm[statistics]'.
     """
     known = known_noise(noise)
     folder = as_folder(source)

@@ -80,7 +80,7 @@ def sensitivity_command(
     """Calculate sensitivities at the optimum: standard errors, intervals, open combinations.
 
     SOURCE is a job of a service, the folder of 'geoswarm run PROBLEM --output DIR', or a problem file. For a job, a
-    follow-up job is submitted and watched; for a folder, the evaluations are kept in it. The report then has them.
+    follow-up job is submitted and watched; for a folder, the evaluations are stored in it. Reports then include them.
     """
     known, place = known_noise(noise), named_numbers("--at", at)
     run = _local(source, workers)
@@ -108,9 +108,9 @@ def profile_command(
     at: tuple[str, ...],
     noise: tuple[str, ...],
 ) -> None:
-    """Calculate profile likelihoods: intervals that hold for nonlinear models, and open ends.
+    """Calculate profile likelihoods: intervals that are valid for nonlinear models, and open ends.
 
-    SOURCE as in 'geoswarm sensitivity', whose evaluations are made first where they are missing.
+    SOURCE as in 'geoswarm sensitivity', which runs first if its evaluations are missing.
     """
     known, place, names = known_noise(noise), named_numbers("--at", at), list(parameters) or None
     run = _local(source, workers)
@@ -178,8 +178,8 @@ def explore_command(
 ) -> None:
     """Search for a second basin where one is most likely, and update the verdicts.
 
-    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. Half of the runs look at places
-    that no run has come near, the others go down from the best of these.
+    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. Half of the runs
+    start where no run has come close; the others descend from the best of these.
     """
     known = known_noise(noise)
     folder = as_folder(source)

@@ -89,9 +89,9 @@ def predict_command(
 ) -> None:
     """Predict another problem with the identified parameters and their uncertainty: median and bands.
 
-    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. Of the parameters of FILE, those
-    that are free or left out are taken from SOURCE by name. Its observations say where the series are wanted: 'points:
-    {x: [..]}' is enough, and with y the measured points are compared with the band.
+    SOURCE is a job of a service, or the folder of 'geoswarm run PROBLEM --output DIR'. Parameters that
+    are free in FILE or missing from it are taken from SOURCE by name. Its observations say where to calculate the
+    series: 'points: {x: [..]}' is enough; with y, the measured points are compared with the band.
     """
     if (other is None) == (table is None):
         raise BadInputError(f"give --problem or --tests; {'neither is' if other is None else 'both are'} given")
@@ -132,16 +132,16 @@ def predict_command(
     "other",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="A problem of which the prediction is to become narrower.",
+    help="A problem whose prediction should become narrower.",
 )
 @click.option(
     "--criterion",
     type=click.Choice(("widths", "volume", "prediction")),
-    help="What puts them in order: all intervals, their common region, or the prediction.",
+    help="Rank by all intervals, by their common region, or by the prediction.",
 )
 @click.option(
     "--draws", type=click.IntRange(0, 200), default=8, show_default=True,
-    help="Number of points around the optima over which the worth is averaged.",
+    help="Number of points around the optima over which the benefit is averaged.",
 )  # fmt: skip
 @_WORKERS
 @noise_option

@@ -34,7 +34,7 @@ _PACKAGES = ("matplotlib", "jinja2", "reportlab")
     "--compare",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="SET",
-    help="File with another set of parameters ('phi_c: 33.1' a line), shown beside the result.",
+    help="File with another set of parameters ('phi_c: 33.1' on each line) to show next to the result.",
 )
 @click.option(
     "--output",

@@ -52,16 +52,16 @@ __all__ = ["run_command"]
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     multiple=True,
     metavar="DIR",
-    help="Folder of an earlier run with the same forward model, whose runs the search learns from; may be repeated.",
+    help="Folder of an earlier run with the same forward model; the search learns from its runs. May be repeated.",
 )
 @click.option(
-    "--tables-only", is_flag=True, help="Write no report and no figures; 'geoswarm report DIR' does it later."
+    "--tables-only", is_flag=True, help="Write no report and no figures; 'geoswarm report DIR' writes them later."
 )
 @click.option(
     "--compare",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="SET",
-    help="File with another set of parameters ('phi_c: 33.1' a line), shown beside the result.",
+    help="File with another set of parameters ('phi_c: 33.1' on each line) to show next to the result.",
 )
 @click.option("--resume", is_flag=True, help="Continue the interrupted run in the folder of --output.")
 @accept_option
@@ -80,9 +80,9 @@ def run_command(
 ) -> None:
     """Calibrate a problem and write figures and tables.
 
-    The number of workers changes the time, never the result. With --output every forward run is kept as it finishes:
-    after Ctrl-C, a full disk or a crash the same command with --resume continues to the same result. Exit code 1 when
-    no forward run succeeded.
+    The number of workers affects the time, never the result. With --output, every forward run is stored as it
+    finishes: after Ctrl-C, a full disk or a crash, the same command with --resume continues to the same result. Exit
+    code 1 if no forward run succeeds.
     """
     from geoswarm.solver.plausibility import require_possible
     from geoswarm.solver.problem import load_problem

@@ -33,9 +33,10 @@ def build_umat_command(
     """Compile the Fortran sources of an Abaqus user routine (UMAT) to a library.
 
     ABA_PARAM.INC and the utilities that routines call (SINV, SPRINC, SPRIND, ROTSIG, XIT, STDB_ABQERR) are supplied;
-    XIT and STOP end a run, not the process. A library that is there is replaced.
+    XIT and STOP end a run, not the process. An existing library is replaced.
 
         geoswarm model build-umat sand.f --output libsand.so
+
         geoswarm model build-umat sand.f --flag=-fcheck=bounds --flag=-g
     """
     from geoswarm.solver.user_laws.build import BuildError, build_umat
@@ -48,7 +49,7 @@ def build_umat_command(
     if built.printed:
         note(built.printed)
     note(f"Written: {library}")
-    note(f"In a problem beside it: material: {{law: umat, library: {library.name}, parameters: ..., props: [...]}}")
+    note(f"In a problem next to it: material: {{law: umat, library: {library.name}, parameters: ..., props: [...]}}")
 
 
 @click.group("model")

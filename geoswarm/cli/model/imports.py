@@ -39,10 +39,10 @@ def import_command() -> None:
     help="File or folder next to the control file that the program needs; may be repeated.",
 )
 def import_pest(case: Path, output: Path, files: tuple[str, ...]) -> None:
-    """Make a problem of a control file of PEST or PEST++ (version 1 or 2).
+    """Make a problem from a control file of PEST or PEST++ (version 1 or 2).
 
     Writes problem.yaml, the readings, and copies of the templates, the instruction files and the program's files that
-    stand on the command line. What a problem cannot say is listed. Existing files are never overwritten.
+    the command line names. Lists what a problem file cannot express. Existing files are never overwritten.
 
         geoswarm import pest case.pst --output problem
     """
@@ -96,13 +96,14 @@ def import_ags(
     initial_stress: str | None,
     as_json: bool,
 ) -> None:
-    """Make a problem of laboratory tests in an AGS 4 file, and CSV files of monitoring readings.
+    """Make a problem from laboratory tests in an AGS 4 file, and CSV files of monitoring readings.
 
     Oedometer tests (CONG, ESCG) are compared by the void ratios at the ends of their increments, triaxial tests
-    (TREG, TRIG) by the stresses at failure: nothing else is in such files. What is assumed is listed. Nothing that is
-    there is overwritten.
+    (TREG, TRIG) by the stresses at failure: such files contain nothing else. Assumptions are listed. Existing files are
+    never overwritten.
 
         geoswarm import ags data.ags
+
         geoswarm import ags data.ags --output clay --specimen BH1/U3/1
     """
     from geoswarm.solver.ags.contents import chosen, contents_of, entries, picked

@@ -54,10 +54,10 @@ class Mark:
     help="Folder to write to; the working folder if not given.",
 )
 def new_command(call: str, example: Path, marks: tuple[str, ...], result: str, output: Path) -> None:
-    """Write a problem file for a program of your own.
+    """Write a problem file for your own program.
 
-    Of an example of the program's input file a template is made: the numbers that you mark become parameters. What is
-    not given is asked for. Programs and files that the call names are copied. Existing files are never overwritten.
+    Makes a template from an example of the program's input file: the numbers that you mark become parameters. Asks for
+    what is not given. Copies the programs and files that the call names. Existing files are never overwritten.
 
         geoswarm model new --run "./settle" --input input.txt --mark E=2e4 --mark nu=0.3 --result output.csv
     """
@@ -88,8 +88,8 @@ def new_command(call: str, example: Path, marks: tuple[str, ...], result: str, o
         (output / name).write_text(text, encoding="utf-8", newline="")
     problem = output / "problem.yaml"
     note(f"Written: {', '.join(str(output / name) for name in (*files, *copied))}")
-    note(f"Next: say in {problem} how the series is read and put your readings in readings.csv;")
-    note(f"geoswarm model try {problem} shows what a run reads and writes, geoswarm check {problem} judges it.")
+    note(f"Next: state in {problem} how the series is read, and put your readings in readings.csv;")
+    note(f"geoswarm model try {problem} shows what a run reads and writes, geoswarm check {problem} validates it.")
 
 
 def _asked() -> list[str]:

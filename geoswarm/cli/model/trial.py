@@ -30,7 +30,7 @@ _LONGEST = 100
 def try_command(problem: Path, given: tuple[str, ...], whole: bool, as_json: bool) -> None:
     """Run the program of a problem once, and show what it read and wrote.
 
-    Each point of a series stands beside the line of the file that it was read from. The run folder is kept. Exit code 1
+    Shows for each point of a series the line of the file that it was read from. The run folder is kept. Exit code 1
     when the run fails.
     """
     from geoswarm.solver.calibration import Calibration

@@ -25,7 +25,10 @@ _HERE = ("127.0.0.1", "localhost", "::1")
 @click.command("umbridge")
 @problem_argument
 @click.option(
-    "--host", default="127.0.0.1", show_default=True, help="Address to listen on; there is no key, so keep it local."
+    "--host",
+    default="127.0.0.1",
+    show_default=True,
+    help="Address to listen on; there is no authentication.",
 )
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=4242, show_default=True, help="Port; 0 takes a free one."

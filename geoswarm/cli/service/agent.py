@@ -43,7 +43,7 @@ LONGEST_KEY_FILE = 4096
 @click.option(
     "--key",
     metavar="KEY",
-    help=f"API key of role 'agent'. Everybody on this machine can see it; prefer {KEY_VARIABLE} or --key-file.",
+    help=f"API key of role 'agent'. Other users of this machine can see it; prefer {KEY_VARIABLE} or --key-file.",
 )
 @click.option("--key-file", type=click.Path(path_type=Path), metavar="FILE", help="File with the key on its only line.")
 @click.option(

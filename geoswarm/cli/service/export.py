@@ -27,7 +27,7 @@ __all__ = ["export_command"]
     "--format",
     "form",
     type=click.Choice(("csv", "json", "parquet")),
-    help="csv unless --output ends in .json or .parquet; the latter also hold the responses.",
+    help="csv unless --output ends in .json or .parquet, which also contain the responses.",
 )
 @click.option(
     "--output", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="File; stdout if not given."
@@ -36,7 +36,7 @@ __all__ = ["export_command"]
 def export_command(job: str, form: str | None, output: Path | None, url: str, api_key: str | None) -> None:
     """Write all evaluations of a job as CSV, JSON or Parquet.
 
-    Ordered by generation and particle, one row or object an evaluation. A file appears only when it is complete.
+    One row or object for each evaluation, ordered by generation and particle. A file appears only when it is complete.
     """
     ending = "" if output is None else output.suffix.lower()[1:]
     if form is None and ending not in ("", "csv", "json", "parquet", "txt"):

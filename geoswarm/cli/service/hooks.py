@@ -27,8 +27,8 @@ _REFUSED = 422
 def hooks_command() -> None:
     """Notify an address when jobs end.
 
-    The service sends a signed request to an address that begins with https://, or an e-mail where its operator has set
-    a server for that. Without --job a hook hears of all jobs of the API key's owner.
+    The service sends a signed request to an address that begins with https://, or an e-mail if its operator has
+    configured a mail server. Without --job, a hook applies to all jobs of the API key's owner.
     """
 
 
@@ -47,7 +47,7 @@ def hooks_command() -> None:
 def add_command(
     target: str, job: str | None, states: tuple[EndedState, ...], as_json: bool, url: str, api_key: str | None
 ) -> None:
-    """Make a hook and print its id; the secret that its requests are signed with is shown once."""
+    """Create a hook and print its id; the secret that signs its requests is shown once."""
     with connect(url, api_key) as client:
         job_id = None if job is None else find_job(client, job).id
         made = add_hook(client, target, job_id, states or ENDED_STATES)

@@ -296,7 +296,7 @@ def label_command(
 def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
     """List the workers of a service.
 
-    Workers, and since when. An id begins with host and process number.
+    Shows what each worker runs, and since when. An id begins with host and process number.
     """
     with connect(url, api_key) as client:
         workers = client.workers()
@@ -304,7 +304,7 @@ def workers_command(as_json: bool, url: str, api_key: str | None) -> None:
         echo_json({"items": [record_json(worker) for worker in workers]})
         return
     if not workers:
-        click.echo("No workers. Start some with 'geoswarm worker', or serve without --broker.")
+        click.echo("No workers. Start some with 'geoswarm worker' or 'geoswarm agent'.")
         return
     rows = [
         (

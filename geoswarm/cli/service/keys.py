@@ -22,9 +22,9 @@ __all__ = ["keys_command"]
 def keys_command() -> None:
     """Create, list and revoke API keys.
 
-    Works on the database of a service, which may run meanwhile. Roles: 'read' sees the owner's jobs, 'submit' also
-    submits and steers them, 'admin' sees and steers all jobs. 'agent' is for 'geoswarm agent': it runs what all jobs
-    have calculated, and sees nothing else.
+    Works on the database of a service, even while it runs. Roles: 'read' sees the owner's jobs, 'submit' also
+    submits and controls them, 'admin' sees and controls all jobs. 'agent' is for 'geoswarm agent': it runs calculations
+    of all jobs and sees nothing else.
     """
 
 
@@ -35,9 +35,9 @@ def keys_command() -> None:
     type=click.Choice(("agent", "read", "submit", "admin")),
     default="submit",
     show_default=True,
-    help="What it may do.",
+    help="What the key permits.",
 )
-@click.option("--label", default="", help="What it is for, to recognise it in the list.")
+@click.option("--label", default="", help="What the key is for, shown in the list.")
 @click.option(
     "--expires", type=SPAN, metavar="SPAN", help="How long it is valid, e.g. 90d or 12h; unlimited if not given."
 )
@@ -46,7 +46,7 @@ def keys_command() -> None:
 def create_command(
     owner: str, role: Role, label: str, expires: float | None, as_json: bool, database: str | None
 ) -> None:
-    """Make a key and print it, once: only its hash is kept."""
+    """Create a key and print it once; only its hash is stored."""
     from geoswarm.workers.access.keys import ApiKeys
     from geoswarm.workers.settings import Settings, mask_url
     from geoswarm.workers.store import Store

@@ -38,9 +38,9 @@ def prune_command(
 ) -> None:
     """Delete old jobs permanently.
 
-    Works on the database of a service, which may run meanwhile. Deleted are jobs that ended, with everything that
-    belongs to them; then the space is given back. Deleted data are overwritten in an SQLite file; backups are not
-    touched. With --every the command stays, for containers, which have no timer.
+    Works on the database of a service, even while it runs. Deletes jobs that have ended, with everything that belongs
+    to them, and frees the space. In an SQLite file, deleted data are overwritten; backups are not changed. With --every
+    the command keeps running, for containers, which have no timer.
     """
     from geoswarm.workers.operations.retention import prune, run_prune
     from geoswarm.workers.settings import Settings

@@ -44,13 +44,13 @@ _NAMED = 3
     "earlier",
     multiple=True,
     metavar="ID",
-    help="Earlier job with the same forward model, whose runs the search learns from; may be repeated.",
+    help="Earlier job with the same forward model; the search learns from its runs. May be repeated.",
 )
 @click.option(
     "--notify",
     multiple=True,
     metavar="ADDRESS",
-    help="Whom to notify when the job ends: https://... or an e-mail address; may be repeated.",
+    help="Address to notify when the job ends: https://... or an e-mail address; may be repeated.",
 )
 @accept_option
 @json_option

@@ -45,9 +45,9 @@ _START_SECONDS = 30.0
 def demo_command(port: int, workers: int, no_wait: bool) -> None:
     """Start a service and calibrate the published oedometer test.
 
-    Everything happens on this machine: a service with its own worker processes and a database in a temporary folder,
-    one job, and a page to look at. The reference data are synthetic: the model at the published identified parameters
-    plus noise. On a terminal the service runs until Ctrl-C, else the command ends after the search.
+    Runs on this machine: a service with its own worker processes and a database in a temporary folder, one job, and a
+    dashboard. The reference data are synthetic: the model at the published identified parameters plus noise. On a
+    terminal, the service runs until Ctrl-C; otherwise the command ends after the search.
     """
     from geoswarm.workers.hosts.engine import open_engine
     from geoswarm.workers.settings import Settings

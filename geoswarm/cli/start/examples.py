@@ -24,8 +24,8 @@ __all__ = ["example_problem", "examples_command"]
 def examples_command(name: str | None, directory: Path | None, as_json: bool) -> None:
     """List the examples that are installed, or write one out.
 
-    With NAME and DIRECTORY the example's problem, data and explanation are written to that folder, which is made if it
-    is not there. Existing files are never overwritten.
+    With NAME and DIRECTORY, writes the example's problem, data and explanation to that folder, which is created if
+    needed. Existing files are never overwritten.
     """
     if name is None:
         _list(as_json)

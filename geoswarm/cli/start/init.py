@@ -29,8 +29,8 @@ def init_command(kind: str, output: Path) -> None:
     """Write a commented starter problem with its data.
 
     KIND is oedometer (unless given), isotropic_compression, triaxial, direct_simple_shear, consolidation,
-    crs_oedometer, column, formula, combined, section or tests (a table of tests). The data are synthetic, to be
-    replaced by yours. A file that is there is never overwritten.
+    crs_oedometer, column, formula, combined, section or tests (a table of tests). The data are synthetic;
+    replace them with yours. Existing files are never overwritten.
     """
     files = _files(STARTERS[kind])
     there = [str(output / name) for name in files if (output / name).exists()]

@@ -74,6 +74,7 @@ parameters:                             # free: lower and upper; fixed: value; l
   psi: {value: 0}
 constraints: ["lambda_star > kappa_star"]
 observations:
+  # Only the ends of the stages were read? series: stage_settlement over their number 1, 2, ... or their load [kPa]
   - series: settlement                  # over the time since the first stage
     file: settlement.csv                # CSV or XLSX; units are taken from the headings
     x_column: time

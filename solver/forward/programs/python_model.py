@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -55,6 +55,13 @@ class PythonModel(ForeignModel):
     def open_parameters(self) -> bool:
         """Whether the function takes ``**kwargs``."""
         return self._signature.open
+
+    def incomplete(self, declared: Collection[str]) -> str | None:
+        """Name the argument for the observed points, if another one may be meant for them."""
+        needed = {name for name, default in self._signature.parameters.items() if default is None}
+        if self._signature.points or needed <= set(declared):
+            return None
+        return f"if {self._spec.function} needs the observed points, name their argument x"
 
     def prepare(self, points: Mapping[str, FloatArray]) -> ForwardRun:
         """Build the calculation of series at x, each of shape (m_g,), base units; nothing is imported yet."""

@@ -46,7 +46,7 @@ def test_one_reading_far_off_is_named_before_all_else() -> None:
     others = np.delete(np.arange(25), 16)
     a, b = np.linalg.lstsq(LINE[others], y[others], rcond=None)[0]
     assert one.deviation == pytest.approx(y[16] - (a + b * 3.4), rel=1e-3)
-    assert fit.sentence.startswith("Reading 17 of y (at 3.4) lies ")
+    assert fit.sentence.startswith("Reading 17 of y (at x = 3.4) lies ")
     assert fit.sentence.endswith(" above what the others say.")
     assert "gross_errors: [17]" in fit.remedies[0].text
     assert "loss: soft_l1" in fit.remedies[0].text
@@ -171,7 +171,7 @@ def test_a_pattern_that_chance_makes_once_in_fifty_is_a_doubt() -> None:
     assert headline_of("doubtful", (one,)) == "The fit is doubtful"
     assert sentence_of((one,), doubtful=True) == (
         "The fit of y is doubtful: a right model looks this bad once in 50 sets of readings. It misses y by up to "
-        "0.3 mm (calculated above measured, near 2), root mean square 0.1 mm."
+        "0.3 mm (calculated above measured, near x = 2), root mean square 0.1 mm."
     )
 
 

@@ -66,6 +66,15 @@ def test_loads_in_place_of_the_numbers_of_stages(tmp_path: Path) -> None:
     assert "x = 20 kPa (point 1) is the load of no stage" in mistakes(tmp_path, "a.csv", back, **end)
 
 
+@pytest.mark.parametrize("loads", [("9", "13"), ("9,5", "13")])
+def test_loads_without_a_unit_are_taken_for_numbers_of_stages_and_asked_for(
+    tmp_path: Path, loads: tuple[str, str]
+) -> None:
+    text = f"Last;Setzung [mm]\n{loads[0]};0,05\n{loads[1]};0,08\n"
+    wrong = mistakes(tmp_path, "a.csv", text, series="stage_settlement", x_column="Last", y_column="Setzung")
+    assert wrong.endswith("; for loads instead of numbers of stages give x_unit: kPa")
+
+
 def test_letters_of_several_sheets_are_asked_for(tmp_path: Path) -> None:
     """The first sheet with cells was read."""
     block = sheet_rows(("t [min]", "s [mm]"), (1, 0.5), (2, 0.75))

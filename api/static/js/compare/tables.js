@@ -3,12 +3,31 @@ import { element } from "../dom.js";
 import { age, amount, count, duration, ends, number, plain, symbol, withUnit } from "../format.js";
 
 function table(caption, loaded, rows) {
-  const head = element("tr", {}, element("td", {}), loaded.map(({ job }) => element("th", { scope: "col", class: "n" }, job.name)));
-  const body = rows.map(([label, cells, differs]) => element("tr", {},
-    element("th", { scope: "row" }, label),
-    cells.map((cell, i) => element("td", { class: differs?.[i] ? "n differs" : "n" }, cell))));
-  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": caption },
-    element("table", { class: "side" }, element("caption", {}, caption), element("thead", {}, head), element("tbody", {}, body)));
+  const head = element(
+    "tr",
+    {},
+    element("td", {}),
+    loaded.map(({ job }) => element("th", { scope: "col", class: "n" }, job.name)),
+  );
+  const body = rows.map(([label, cells, differs]) =>
+    element(
+      "tr",
+      {},
+      element("th", { scope: "row" }, label),
+      cells.map((cell, i) => element("td", { class: differs?.[i] ? "n differs" : "n" }, cell)),
+    ),
+  );
+  return element(
+    "div",
+    { class: "wide", tabindex: "0", role: "region", "aria-label": caption },
+    element(
+      "table",
+      { class: "side" },
+      element("caption", {}, caption),
+      element("thead", {}, head),
+      element("tbody", {}, body),
+    ),
+  );
 }
 
 /** What was asked, how far it is, what it cost. */
@@ -16,18 +35,32 @@ export function factsTable(loaded, { objectives, reweighted }) {
   const lowest = Math.min(...(objectives ?? []).map((objective) => objective ?? Infinity));
   const unit = common(loaded.map(({ fit }) => fit.objective_unit)) ?? "";
   const row = (label, value) => [label, loaded.map(({ job }) => value(job))];
-  const ranked = (objective) => (objective !== null && objective === lowest ? [element("strong", {}, number(objective)), " (lowest)"] : number(objective));
+  const ranked = (objective) =>
+    objective !== null && objective === lowest
+      ? [element("strong", {}, number(objective)), " (lowest)"]
+      : number(objective);
   const anew = objectives && reweighted.some(Boolean);
   const names = [...new Set(loaded.flatMap(({ fit }) => fit.series.map(({ series }) => series)))];
-  const left = names.map((name) => [names.length > 1 ? `Root mean square of ${plain(name)}` : "Root mean square", loaded.map(({ fit }) => {
-    const share = fit.curves.find(({ role }) => role === "best")?.shares.find(({ series }) => series === name);
-    return share ? amount(share.root_mean_square, share.unit) : "–";
-  })]);
+  const left = names.map((name) => [
+    names.length > 1 ? `Root mean square of ${plain(name)}` : "Root mean square",
+    loaded.map(({ fit }) => {
+      const share = fit.curves.find(({ role }) => role === "best")?.shares.find(({ series }) => series === name);
+      return share ? amount(share.root_mean_square, share.unit) : "–";
+    }),
+  ]);
   return table("Jobs", loaded, [
     ...left,
-    [withUnit(anew ? "Best objective under its own weights" : "Best objective", unit), loaded.map(({ job }, i) => (anew || !objectives ? number(job.objective) : ranked(objectives[i])))],
-    ...(anew ? [[withUnit(`Best objective under the weights of ${loaded[0].job.name}`, unit), objectives.map(ranked)]] : []),
-    row("Evaluations", (job) => count(job.evaluations) + (job.max_evaluations ? ` / ${count(job.max_evaluations)}` : "")),
+    [
+      withUnit(anew ? "Best objective under its own weights" : "Best objective", unit),
+      loaded.map(({ job }, i) => (anew || !objectives ? number(job.objective) : ranked(objectives[i]))),
+    ],
+    ...(anew
+      ? [[withUnit(`Best objective under the weights of ${loaded[0].job.name}`, unit), objectives.map(ranked)]]
+      : []),
+    row(
+      "Evaluations",
+      (job) => count(job.evaluations) + (job.max_evaluations ? ` / ${count(job.max_evaluations)}` : ""),
+    ),
     row("Failed evaluations", (job) => count(job.failed_evaluations)),
     row("Generations", (job) => count(job.generations)),
     row("Running time", (job) => duration(job.seconds)),
@@ -46,13 +79,18 @@ export function parametersTable(loaded) {
     const infos = loaded.map(({ fit }) => fit.parameters.find((parameter) => parameter.name === name));
     const values = loaded.map(({ job }) => job.parameters?.[name]);
     const known = values.filter((value) => value !== undefined);
-    const spread = known.length > 1 && Math.max(...known) - Math.min(...known) > 0.01 * Math.max(...known.map(Math.abs));
+    const spread =
+      known.length > 1 && Math.max(...known) - Math.min(...known) > 0.01 * Math.max(...known.map(Math.abs));
     const cells = infos.map((info, i) => [
       number(values[i] ?? info?.value, 5),
       info && info.form !== "free" ? element("small", {}, ` ${info.form}`) : null,
       info?.form === "free" ? certainty(loaded[i].job, name) : null,
     ]);
-    return [withUnit(symbol(name), infos.find(Boolean)?.unit), cells, values.map((value) => spread && value !== undefined)];
+    return [
+      withUnit(symbol(name), infos.find(Boolean)?.unit),
+      cells,
+      values.map((value) => spread && value !== undefined),
+    ];
   });
   return table("Values that differ by more than 1 % are bold.", loaded, rows);
 }
@@ -60,7 +98,11 @@ export function parametersTable(loaded) {
 /** Interval, verdict and bound of a value, as far as its job knows them. */
 function certainty({ intervals, verdicts, verdict_words: said, at_bounds: bounds }, name) {
   const interval = intervals?.[name];
-  const parts = [interval && ends(...interval, 3), said?.[name] ?? (verdicts && plain(verdicts[name])), bounds?.[name] && `at its ${bounds[name]} bound`].filter(Boolean);
+  const parts = [
+    interval && ends(...interval, 3),
+    said?.[name] ?? (verdicts && plain(verdicts[name])),
+    bounds?.[name] && `at its ${bounds[name]} bound`,
+  ].filter(Boolean);
   return parts.length ? element("small", {}, element("br"), parts.join(", ")) : null;
 }
 

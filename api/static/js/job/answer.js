@@ -22,20 +22,36 @@ function summary({ verdicts, fit }, shares, short = false) {
   for (const { parameter, words } of verdicts) groups.set(words, [...(groups.get(words) ?? []), symbol(parameter)]);
   const told = [...groups].map(([words, names]) => `${words}: ${names.join(", ")}`);
   const all = shares.length > MOST_NAMED && !short && fit.closeness.length; // by quantity over all tests
-  const left = (all ? fit.closeness.map(({ quantity, deviation, unit }) => [quantity, deviation, unit]) : shares.slice(0, MOST_NAMED).map(({ series, root_mean_square: value, unit }) => [plain(series), value, unit]))
-    .map(([name, value, unit]) => `${amount(value, unit)}${shares.length > 1 ? ` in ${name}` : ""}`);
-  const text = [...told, left.length ? `${short ? "the best run of the search" : "the fit"} leaves ${listed(left)} (root mean square)` : null, fit.words].filter(Boolean).join("; ");
+  const left = (
+    all
+      ? fit.closeness.map(({ quantity, deviation, unit }) => [quantity, deviation, unit])
+      : shares.slice(0, MOST_NAMED).map(({ series, root_mean_square: value, unit }) => [plain(series), value, unit])
+  ).map(([name, value, unit]) => `${amount(value, unit)}${shares.length > 1 ? ` in ${name}` : ""}`);
+  const text = [
+    ...told,
+    left.length
+      ? `${short ? "the best run of the search" : "the fit"} leaves ${listed(left)} (root mean square)`
+      : null,
+    fit.words,
+  ]
+    .filter(Boolean)
+    .join("; ");
   return `${text[0].toUpperCase()}${text.slice(1)}.`;
 }
 
 /** Whether the values are those of a minimum that a follow-up found, away from the best run of the search. */
 function endedShort({ statistics, job }) {
-  return Object.entries(statistics?.linearisation?.parameters ?? {}).some(([name, { value, standard_error: error }]) => error > 0 && Math.abs(value - job.parameters[name]) > AWAY * error);
+  return Object.entries(statistics?.linearisation?.parameters ?? {}).some(
+    ([name, { value, standard_error: error }]) => error > 0 && Math.abs(value - job.parameters[name]) > AWAY * error,
+  );
 }
 
 /** Which bound a value lies at: "lower", "upper" or null. */
 function boundTouched(value, { lower, upper, scale }) {
-  const place = scale === "log" && value > 0 ? Math.log(value / lower) / Math.log(upper / lower) : (value - lower) / (upper - lower);
+  const place =
+    scale === "log" && value > 0
+      ? Math.log(value / lower) / Math.log(upper / lower)
+      : (value - lower) / (upper - lower);
   return place <= NEAR ? "lower" : place >= 1 - NEAR ? "upper" : null;
 }
 
@@ -46,20 +62,47 @@ function searched({ lower, upper, scale, unit, typical_lower: usualLow, typical_
     const part = log ? (at > 0 ? Math.log(at / lower) / Math.log(upper / lower) : 0) : (at - lower) / (upper - lower);
     return 100 * Math.min(Math.max(part, 0), 1);
   };
-  const bar = (kind, from, to, y, height, least = 0) => svg("rect", { class: kind, x: `${share(from).toFixed(2)}%`, width: `${Math.max(share(to) - share(from), least).toFixed(2)}%`, y, height });
+  const bar = (kind, from, to, y, height, least = 0) =>
+    svg("rect", {
+      class: kind,
+      x: `${share(from).toFixed(2)}%`,
+      width: `${Math.max(share(to) - share(from), least).toFixed(2)}%`,
+      y,
+      height,
+    });
   const usual = usualLow !== null && usualLow !== undefined && usualHigh > lower && usualLow < upper;
   const words = `searched from ${number(lower)} to ${withUnit(number(upper), unit)}${log ? " on a logarithmic scale" : ""}${usual ? `, usual ${number(usualLow)} to ${number(usualHigh)}` : ""}`;
-  return element("span", { class: "searched", title: words }, number(lower),
-    svg("svg", { class: "within", role: "img", "aria-label": words },
-      svg("rect", { class: "all", x: 0, width: "100%", y: 5, height: 4 }), usual ? bar("usual", usualLow, usualHigh, 2, 10) : null,
+  return element(
+    "span",
+    { class: "searched", title: words },
+    number(lower),
+    svg(
+      "svg",
+      { class: "within", role: "img", "aria-label": words },
+      svg("rect", { class: "all", x: 0, width: "100%", y: 5, height: 4 }),
+      usual ? bar("usual", usualLow, usualHigh, 2, 10) : null,
       low !== null && high !== null ? bar("interval", low, high, 4, 6, 1) : null,
-      svg("line", { class: "value", x1: `${share(value).toFixed(2)}%`, x2: `${share(value).toFixed(2)}%`, y1: 0, y2: 14 })), `${number(upper)}${log ? " log" : ""}`);
+      svg("line", {
+        class: "value",
+        x1: `${share(value).toFixed(2)}%`,
+        x2: `${share(value).toFixed(2)}%`,
+        y1: 0,
+        y2: 14,
+      }),
+    ),
+    `${number(upper)}${log ? " log" : ""}`,
+  );
 }
 
 export function answer(view) {
-  const said = document.getElementById("answer"), table = document.getElementById("parameters"), copies = document.getElementById("copies");
+  const said = document.getElementById("answer"),
+    table = document.getElementById("parameters"),
+    copies = document.getElementById("copies");
   const followUp = document.querySelector("main").dataset.role === "follow_up";
-  const next = nextStep(view, document.getElementById("next"), () => { judged = null; judge(); });
+  const next = nextStep(view, document.getElementById("next"), () => {
+    judged = null;
+    judge();
+  });
   let judged = null;
 
   async function judge() {
@@ -73,7 +116,9 @@ export function answer(view) {
       said.replaceChildren();
       return;
     }
-    document.getElementById("alarm").replaceChildren(...alarm(view.statistics.fit, view.id, view.statistics.fit.kind !== "lack_of_fit"));
+    document
+      .getElementById("alarm")
+      .replaceChildren(...alarm(view.statistics.fit, view.id, view.statistics.fit.kind !== "lack_of_fit"));
     show();
     next.show();
   }
@@ -96,50 +141,131 @@ export function answer(view) {
     const { value, low, high, verdict, good } = known(name);
     const there = low !== null && high !== null;
     const bound = info ? boundTouched(value, info) : null;
-    const others = view.statistics?.basins.others.filter(({ differs }) => differs.includes(name)).map(({ parameters }) => number(parameters[name], 3)) ?? [];
-    const also = others.slice(0, MOST_BASINS).join(", ") + (others.length > MOST_BASINS ? ` and ${others.length - MOST_BASINS} more` : "");
-    const how = good ? "range of the good fits" : others.length ? `in this basin; ${also} fit${others.length > 1 ? "" : "s"} as well` : null;
-    return element("tr", {},
-      element("td", {}, withUnit(symbol(name), info?.unit), symbol(name) === name ? null : element("small", {}, ` ${name}`)),
+    const others =
+      view.statistics?.basins.others
+        .filter(({ differs }) => differs.includes(name))
+        .map(({ parameters }) => number(parameters[name], 3)) ?? [];
+    const also =
+      others.slice(0, MOST_BASINS).join(", ") +
+      (others.length > MOST_BASINS ? ` and ${others.length - MOST_BASINS} more` : "");
+    const how = good
+      ? "range of the good fits"
+      : others.length
+        ? `in this basin; ${also} fit${others.length > 1 ? "" : "s"} as well`
+        : null;
+    return element(
+      "tr",
+      {},
+      element(
+        "td",
+        {},
+        withUnit(symbol(name), info?.unit),
+        symbol(name) === name ? null : element("small", {}, ` ${name}`),
+      ),
       element("td", { class: "n", title: number(value, 10) }, there ? precise(value, high - low) : number(value)),
-      element("td", {}, there ? ends(low, high, 3) : "–", there && how ? element("small", {}, ` ${how}`) : null, info ? searched(info, value, low, high) : null),
-      element("td", {},
-        verdict ? element("a", { class: `verdict ${verdict.kind}`, href: `/jobs/${view.id}/statistics#verdict-${name}`, title: verdict.reason }, verdict.words) : "searched",
-        bound ? element("strong", { class: "touched" }, ` ⚠ at its ${bound} bound ${number(info[bound])}`) : null));
+      element(
+        "td",
+        {},
+        there ? ends(low, high, 3) : "–",
+        there && how ? element("small", {}, ` ${how}`) : null,
+        info ? searched(info, value, low, high) : null,
+      ),
+      element(
+        "td",
+        {},
+        verdict
+          ? element(
+              "a",
+              {
+                class: `verdict ${verdict.kind}`,
+                href: `/jobs/${view.id}/statistics#verdict-${name}`,
+                title: verdict.reason,
+              },
+              verdict.words,
+            )
+          : "searched",
+        bound ? element("strong", { class: "touched" }, ` ⚠ at its ${bound} bound ${number(info[bound])}`) : null,
+      ),
+    );
   }
 
   /** Parameters that were not searched, in a line. */
   function given(infos) {
-    const told = Object.entries(view.job.parameters).filter(([name]) => !view.job.free_parameters.includes(name)).map(([name, value]) => {
-      const info = infos.get(name);
-      return `${symbol(name)} = ${info?.expression ? `${info.expression} = ` : ""}${amount(value, info?.unit, 4)}${FORMS[info?.form] ? ` (${FORMS[info.form]})` : ""}`;
-    });
+    const told = Object.entries(view.job.parameters)
+      .filter(([name]) => !view.job.free_parameters.includes(name))
+      .map(([name, value]) => {
+        const info = infos.get(name);
+        return `${symbol(name)} = ${info?.expression ? `${info.expression} = ` : ""}${amount(value, info?.unit, 4)}${FORMS[info?.form] ? ` (${FORMS[info.form]})` : ""}`;
+      });
     return told.length ? element("p", { class: "help", id: "given" }, `Given: ${told.join(", ")}.`) : null;
   }
 
   /** Values and intervals as a material set. */
-  const materialSet = (infos) => () => Object.entries(view.job.parameters).map(([name, value]) => {
-    const { value: shown, low, high } = view.job.free_parameters.includes(name) ? known(name) : { value, low: null, high: null };
-    return { name, unit: infos.get(name)?.unit ?? "", value: shown, lower: low, upper: high };
-  });
+  const materialSet = (infos) => () =>
+    Object.entries(view.job.parameters).map(([name, value]) => {
+      const {
+        value: shown,
+        low,
+        high,
+      } = view.job.free_parameters.includes(name) ? known(name) : { value, low: null, high: null };
+      return { name, unit: infos.get(name)?.unit ?? "", value: shown, lower: low, upper: high };
+    });
 
   function parameters() {
     const { job } = view;
-    if (!job.parameters) return void exchange(table, empty(ENDED.has(job.state) ? "No evaluation has succeeded: there are no values." : "No evaluation has succeeded yet."));
+    if (!job.parameters)
+      return void exchange(
+        table,
+        empty(
+          ENDED.has(job.state)
+            ? "No evaluation has succeeded: there are no values."
+            : "No evaluation has succeeded yet.",
+        ),
+      );
     const infos = new Map((view.fit?.parameters ?? []).map((info) => [info.name, info]));
     const level = view.statistics?.linearisation?.level;
     const wrong = doubt(view.statistics?.fit);
-    const heads = ["Parameter", "Value", `${level ? `${Math.round(100 * level)} % interval` : "Interval"}${wrong ? ": does not hold" : ""}`, "Verdict"];
-    exchange(table, element("table", {},
-      element("thead", {}, element("tr", {}, heads.map((head, i) => element("th", { scope: "col", class: i === 1 ? "n" : null }, head)))),
-      element("tbody", {}, job.free_parameters.map((name) => row(name, infos.get(name))))),
+    const heads = [
+      "Parameter",
+      "Value",
+      `${level ? `${Math.round(100 * level)} % interval` : "Interval"}${wrong ? ": does not hold" : ""}`,
+      "Verdict",
+    ];
+    exchange(
+      table,
+      element(
+        "table",
+        {},
+        element(
+          "thead",
+          {},
+          element(
+            "tr",
+            {},
+            heads.map((head, i) => element("th", { scope: "col", class: i === 1 ? "n" : null }, head)),
+          ),
+        ),
+        element(
+          "tbody",
+          {},
+          job.free_parameters.map((name) => row(name, infos.get(name))),
+        ),
+      ),
       given(infos),
       level ? element("p", { class: "help" }, view.statistics.basins.sentence) : null,
-      endedShort(view) ? element("p", { class: "help" }, "Values and intervals are those of the minimum that the sensitivities went to. The search had ended short of it; the fit shows its best run.") : null);
+      endedShort(view)
+        ? element(
+            "p",
+            { class: "help" },
+            "Values and intervals are those of the minimum that the sensitivities went to. The search had ended short of it; the fit shows its best run.",
+          )
+        : null,
+    );
     copies.replaceChildren(ENDED.has(job.state) && view.fit ? materialButtons(materialSet(infos)) : "");
   }
 
-  if (followUp && !AHEAD.has(document.querySelector("main").dataset.method)) said.replaceChildren("A follow-up: its runs are around an optimum. ", ...parentLink());
+  if (followUp && !AHEAD.has(document.querySelector("main").dataset.method))
+    said.replaceChildren("A follow-up: its runs are around an optimum. ", ...parentLink());
   return {
     job() {
       if (!ENDED.has(view.job.state)) said.textContent = followUp ? said.textContent : "";
@@ -156,5 +282,7 @@ export function answer(view) {
 
 function parentLink() {
   const { parent } = document.querySelector("main").dataset;
-  return parent ? ["Its results are on the ", element("a", { href: `/jobs/${parent}` }, "page of the job that it follows"), "."] : [];
+  return parent
+    ? ["Its results are on the ", element("a", { href: `/jobs/${parent}` }, "page of the job that it follows"), "."]
+    : [];
 }

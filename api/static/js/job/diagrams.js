@@ -7,7 +7,8 @@ import { colour, palette, plot } from "../plot.js";
 
 export function diagrams(view) {
   const section = document.getElementById("diagrams");
-  let asked = null, plots = [];
+  let asked = null,
+    plots = [];
 
   // each is recalculated for a better evaluation
   const load = paced(async () => {
@@ -24,7 +25,9 @@ export function diagrams(view) {
     plots.forEach(({ remove }) => remove());
     section.hidden = items.length === 0;
     const frames = items.map(() => element("div", {}));
-    section.querySelector("div").replaceChildren(...frames.map((frame, i) => element("div", {}, element("h3", {}, headingOf(items[i])), frame)));
+    section
+      .querySelector("div")
+      .replaceChildren(...frames.map((frame, i) => element("div", {}, element("h3", {}, headingOf(items[i])), frame)));
     plots = items.map((one, i) => plot(frames[i], () => figure(one)));
     plots.forEach(({ draw }, i) => paced(draw, 100, frames[i])());
   }, 5000);
@@ -38,11 +41,28 @@ function figure(one) {
   const [across, up] = [withUnit(one.x_quantity, one.x_unit), withUnit(one.y_quantity, one.y_unit)];
   return {
     data: [
-      { type: "scatter", mode: "markers", name: "measured", x: one.measured_x, y: one.measured_y, marker: { color: colour("--ink"), symbol: "circle-open", size: 7 } },
+      {
+        type: "scatter",
+        mode: "markers",
+        name: "measured",
+        x: one.measured_x,
+        y: one.measured_y,
+        marker: { color: colour("--ink"), symbol: "circle-open", size: 7 },
+      },
       { type: "scatter", mode: "lines", name: "best", x: one.x, y: one.y, line: { color: palette()[0], width: 2 } },
     ],
-    layout: { xaxis: { title: { text: across }, type: one.log ? "log" : "linear" }, yaxis: { title: { text: up }, autorange: one.downwards ? "reversed" : true }, showlegend: true, height: 380 },
+    layout: {
+      xaxis: { title: { text: across }, type: one.log ? "log" : "linear" },
+      yaxis: { title: { text: up }, autorange: one.downwards ? "reversed" : true },
+      showlegend: true,
+      height: 380,
+    },
     label: `${headingOf(one)}: ${one.measured_x.length} measured points and the best evaluation, ${up} over ${across}`,
-    columns: { [`measured: ${across}`]: one.measured_x, [`measured: ${up}`]: one.measured_y, [`best: ${across}`]: one.x, [`best: ${up}`]: one.y },
+    columns: {
+      [`measured: ${across}`]: one.measured_x,
+      [`measured: ${up}`]: one.measured_y,
+      [`best: ${across}`]: one.x,
+      [`best: ${up}`]: one.y,
+    },
   };
 }

@@ -6,22 +6,47 @@ import { paced } from "../pace.js";
 import { ENDED, EVALUATION_STATES } from "../states.js";
 import { openEvaluation } from "./evaluation.js";
 
-const PAGE = 25, INTERVAL = 3000;
+const PAGE = 25,
+  INTERVAL = 3000;
 
 export function evaluations(view) {
   const place = document.getElementById("evaluations");
   const cursors = [null]; // of the pages so far
-  let next = null, asked = 0;
+  let next = null,
+    asked = 0;
 
   const control = (label, input) => element("label", {}, label, input);
-  const state = element("select", { name: "state" }, element("option", { value: "" }, "all"), [...EVALUATION_STATES].map((name) => element("option", {}, name)));
+  const state = element(
+    "select",
+    { name: "state" },
+    element("option", { value: "" }, "all"),
+    [...EVALUATION_STATES].map((name) => element("option", {}, name)),
+  );
   const generation = element("input", { name: "generation", type: "number", min: 0, step: 1, placeholder: "all" });
   const most = element("input", { name: "max_objective", type: "number", step: "any", placeholder: "any" });
-  const filters = element("form", { class: "controls", "aria-label": "Filter the evaluations" }, control("State", state), control("Generation", generation), control("Objective up to", most));
+  const filters = element(
+    "form",
+    { class: "controls", "aria-label": "Filter the evaluations" },
+    control("State", state),
+    control("Generation", generation),
+    control("Objective up to", most),
+  );
   const table = element("div", {});
-  const first = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.splice(1)) }, "First page");
-  const back = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.pop()) }, "Previous");
-  const on = element("button", { type: "button", class: "quiet", onclick: () => leaf(() => cursors.push(next)) }, "Next");
+  const first = element(
+    "button",
+    { type: "button", class: "quiet", onclick: () => leaf(() => cursors.splice(1)) },
+    "First page",
+  );
+  const back = element(
+    "button",
+    { type: "button", class: "quiet", onclick: () => leaf(() => cursors.pop()) },
+    "Previous",
+  );
+  const on = element(
+    "button",
+    { type: "button", class: "quiet", onclick: () => leaf(() => cursors.push(next)) },
+    "Next",
+  );
   const csv = element("a", { class: "button quiet" }, "Download as CSV");
   place.replaceChildren(filters, table, element("div", { class: "buttons" }, first, back, on, csv));
 
@@ -38,7 +63,12 @@ export function evaluations(view) {
       const page = await get(`/jobs/${view.id}/evaluations`, { ...query(), limit: PAGE, cursor: cursors.at(-1) });
       if (turn !== asked) return;
       next = page.next_cursor;
-      exchange(table, page.items.length ? filled(page.items) : empty(Object.values(query()).some(Boolean) ? "No evaluation matches." : "No evaluation has started yet."));
+      exchange(
+        table,
+        page.items.length
+          ? filled(page.items)
+          : empty(Object.values(query()).some(Boolean) ? "No evaluation matches." : "No evaluation has started yet."),
+      );
     } catch (error) {
       if (turn === asked) exchange(table, failure(error));
     }
@@ -51,17 +81,69 @@ export function evaluations(view) {
     const names = view.job.free_parameters;
     const units = new Map((view.fit?.parameters ?? []).map(({ name, unit }) => [name, unit]));
     const failed = items.some(({ reason }) => reason);
-    const heads = [["Generation · particle"], ["State"], [withUnit("Objective", view.fit?.objective_unit), "n"], ...names.map((name) => [withUnit(symbol(name), units.get(name)), "n"]), ["Time", "n"], ["Tries", "n"], ...(failed ? [["Why it failed"]] : [])];
-    const rows = items.map((one) => element("tr", { onclick: ({ target }) => { if (!target.closest("button")) open(one); } },
-      element("td", {}, element("button", { type: "button", class: "link", onclick: () => open(one), "aria-label": `${one.generation} · ${one.particle}: Open evaluation of particle ${one.particle} in generation ${one.generation}` }, `${one.generation} · ${one.particle}`)),
-      element("td", {}, one.state),
-      element("td", { class: "n" }, number(one.objective, 6)),
-      names.map((name) => element("td", { class: "n" }, number(one.parameters[name], 5))),
-      element("td", { class: "n" }, duration(one.seconds)),
-      element("td", { class: "n" }, String(one.attempts)),
-      failed ? element("td", { class: "why" }, one.reason ? `${one.reason.replaceAll("_", " ")}: ${one.message ?? ""}` : "") : null));
-    return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Evaluations" },
-      element("table", { class: "evaluations" }, element("thead", {}, element("tr", {}, heads.map(([head, kind]) => element("th", { scope: "col", class: kind }, head)))), element("tbody", {}, rows)));
+    const heads = [
+      ["Generation · particle"],
+      ["State"],
+      [withUnit("Objective", view.fit?.objective_unit), "n"],
+      ...names.map((name) => [withUnit(symbol(name), units.get(name)), "n"]),
+      ["Time", "n"],
+      ["Tries", "n"],
+      ...(failed ? [["Why it failed"]] : []),
+    ];
+    const rows = items.map((one) =>
+      element(
+        "tr",
+        {
+          onclick: ({ target }) => {
+            if (!target.closest("button")) open(one);
+          },
+        },
+        element(
+          "td",
+          {},
+          element(
+            "button",
+            {
+              type: "button",
+              class: "link",
+              onclick: () => open(one),
+              "aria-label": `${one.generation} · ${one.particle}: Open evaluation of particle ${one.particle} in generation ${one.generation}`,
+            },
+            `${one.generation} · ${one.particle}`,
+          ),
+        ),
+        element("td", {}, one.state),
+        element("td", { class: "n" }, number(one.objective, 6)),
+        names.map((name) => element("td", { class: "n" }, number(one.parameters[name], 5))),
+        element("td", { class: "n" }, duration(one.seconds)),
+        element("td", { class: "n" }, String(one.attempts)),
+        failed
+          ? element(
+              "td",
+              { class: "why" },
+              one.reason ? `${one.reason.replaceAll("_", " ")}: ${one.message ?? ""}` : "",
+            )
+          : null,
+      ),
+    );
+    return element(
+      "div",
+      { class: "wide", tabindex: "0", role: "region", "aria-label": "Evaluations" },
+      element(
+        "table",
+        { class: "evaluations" },
+        element(
+          "thead",
+          {},
+          element(
+            "tr",
+            {},
+            heads.map(([head, kind]) => element("th", { scope: "col", class: kind }, head)),
+          ),
+        ),
+        element("tbody", {}, rows),
+      ),
+    );
   }
 
   const open = (one) => openEvaluation(view, one.generation, one.particle);
@@ -70,10 +152,25 @@ export function evaluations(view) {
   filters.addEventListener("submit", (event) => event.preventDefault());
   filters.addEventListener("input", () => {
     clearTimeout(typing);
-    typing = setTimeout(() => { cursors.splice(1); show(); }, 300);
+    typing = setTimeout(() => {
+      cursors.splice(1);
+      show();
+    }, 300);
   });
 
   // Who is in the table with the keyboard stays there.
-  const renew = paced(async () => { if (!table.contains(document.activeElement) || !table.querySelector("tbody")) await show(); }, INTERVAL, place);
-  return { job: renew, generation: () => { if (!ENDED.has(view.job.state)) renew(); }, fit: renew };
+  const renew = paced(
+    async () => {
+      if (!table.contains(document.activeElement) || !table.querySelector("tbody")) await show();
+    },
+    INTERVAL,
+    place,
+  );
+  return {
+    job: renew,
+    generation: () => {
+      if (!ENDED.has(view.job.state)) renew();
+    },
+    fit: renew,
+  };
 }

@@ -18,22 +18,39 @@ export async function extend(view) {
   } catch (error) {
     return announce(error.message);
   }
-  const fields = CRITERIA.map(([name, label, step, min]) => [name, element("label", {}, label,
-    element("input", { type: "number", name, step, min, value: stopping[name] ?? "", placeholder: "no limit" }))]);
+  const fields = CRITERIA.map(([name, label, step, min]) => [
+    name,
+    element(
+      "label",
+      {},
+      label,
+      element("input", { type: "number", name, step, min, value: stopping[name] ?? "", placeholder: "no limit" }),
+    ),
+  ]);
   const error = element("p", { class: "error", role: "alert" });
-  const form = element("form", { novalidate: true },
-    element("p", { class: "help" }, ended
-      ? "The search continues exactly where it ended, as if these criteria had been given from the start. Evaluations so far count."
-      : "The job ends as soon as one of these is satisfied."),
-    fields.map(([, label]) => label), error,
-    element("div", { class: "buttons" }, element("button", { type: "submit" }, ended ? "Continue" : "Change")));
+  const form = element(
+    "form",
+    { novalidate: true },
+    element(
+      "p",
+      { class: "help" },
+      ended
+        ? "The search continues exactly where it ended, as if these criteria had been given from the start. Evaluations so far count."
+        : "The job ends as soon as one of these is satisfied.",
+    ),
+    fields.map(([, label]) => label),
+    error,
+    element("div", { class: "buttons" }, element("button", { type: "submit" }, ended ? "Continue" : "Change")),
+  );
   const made = dialog(ended ? "Continue this job" : "Stop criteria of this job", form);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
-    const wanted = Object.fromEntries(fields.map(([name, label]) => {
-      const { value } = label.querySelector("input");
-      return [name, value === "" ? null : Number(value)];
-    }));
+    const wanted = Object.fromEntries(
+      fields.map(([name, label]) => {
+        const { value } = label.querySelector("input");
+        return [name, value === "" ? null : Number(value)];
+      }),
+    );
     try {
       await send("PATCH", `/jobs/${view.id}`, { stopping: wanted });
       made.close();

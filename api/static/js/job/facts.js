@@ -4,7 +4,9 @@ import { ENDED } from "../states.js";
 
 export function facts(view) {
   const field = (name) => document.querySelector(`[data-field=${name}]`);
-  const set = (name, text) => { if (field(name).textContent !== text) field(name).textContent = text; };
+  const set = (name, text) => {
+    if (field(name).textContent !== text) field(name).textContent = text;
+  };
   let read = performance.now();
 
   function show() {
@@ -21,7 +23,9 @@ export function facts(view) {
     set("seconds", duration(job.seconds + (job.state === "running" ? (performance.now() - read) / 1000 : 0)));
   }
 
-  setInterval(() => { if (!document.hidden && !ENDED.has(view.job.state)) clock(); }, 1000);
+  setInterval(() => {
+    if (!document.hidden && !ENDED.has(view.job.state)) clock();
+  }, 1000);
   return {
     job({ stop_reasons: reasons }) {
       read = performance.now();

@@ -4,15 +4,59 @@ import { get } from "../http.js";
 import { paced } from "../pace.js";
 
 export function figures(id, place) {
-  const row = (name) => element("tr", {}, element("td", {}, name.replaceAll("_", " ")), element("td", {}, ["svg", "png", "csv"].map((form) => [
-    element("a", { href: `/api/v1/jobs/${id}/figures/${encodeURIComponent(name)}.${form}`, "aria-label": `${name} as ${form.toUpperCase()}` }, form.toUpperCase()), " "])));
-  paced(async () => {
-    try {
-      const { items } = await get(`/jobs/${id}/figures`);
-      exchange(place, items.length ? element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Figures" }, element("table", {},
-        element("thead", {}, element("tr", {}, ["Figure", "Download"].map((head) => element("th", { scope: "col" }, head)))), element("tbody", {}, items.map(row)))) : "");
-    } catch (error) {
-      place.replaceChildren(failure(error));
-    }
-  }, 5000, place)();
+  const row = (name) =>
+    element(
+      "tr",
+      {},
+      element("td", {}, name.replaceAll("_", " ")),
+      element(
+        "td",
+        {},
+        ["svg", "png", "csv"].map((form) => [
+          element(
+            "a",
+            {
+              href: `/api/v1/jobs/${id}/figures/${encodeURIComponent(name)}.${form}`,
+              "aria-label": `${name} as ${form.toUpperCase()}`,
+            },
+            form.toUpperCase(),
+          ),
+          " ",
+        ]),
+      ),
+    );
+  paced(
+    async () => {
+      try {
+        const { items } = await get(`/jobs/${id}/figures`);
+        exchange(
+          place,
+          items.length
+            ? element(
+                "div",
+                { class: "wide", tabindex: "0", role: "region", "aria-label": "Figures" },
+                element(
+                  "table",
+                  {},
+                  element(
+                    "thead",
+                    {},
+                    element(
+                      "tr",
+                      {},
+                      ["Figure", "Download"].map((head) => element("th", { scope: "col" }, head)),
+                    ),
+                  ),
+                  element("tbody", {}, items.map(row)),
+                ),
+              )
+            : "",
+        );
+      } catch (error) {
+        place.replaceChildren(failure(error));
+      }
+    },
+    5000,
+    place,
+  )();
 }

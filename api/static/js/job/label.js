@@ -6,23 +6,40 @@ import { renew } from "../renew.js";
 export function label(view) {
   const { tags, note } = view.job;
   const error = element("p", { class: "error", role: "alert" });
-  const form = element("form", { novalidate: true },
-    element("label", {}, "Tags, with commas between them", element("input", { name: "tags", value: tags.join(", "), placeholder: "dam, second trial" })),
+  const form = element(
+    "form",
+    { novalidate: true },
+    element(
+      "label",
+      {},
+      "Tags, with commas between them",
+      element("input", { name: "tags", value: tags.join(", "), placeholder: "dam, second trial" }),
+    ),
     element("label", {}, "Note (Markdown)", element("textarea", { name: "note", rows: 8, value: note ?? "" })),
-    element("p", { class: "help" }, "The list of jobs finds tags; a project can be one. Everybody who can see the job can read both."),
+    element(
+      "p",
+      { class: "help" },
+      "The list of jobs finds tags; a project can be one. Everybody who can see the job can read both.",
+    ),
     error,
-    element("div", { class: "buttons" }, element("button", { type: "submit" }, "Save")));
+    element("div", { class: "buttons" }, element("button", { type: "submit" }, "Save")),
+  );
   const made = dialog("Tags and note", form);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
-    const wanted = form.elements.tags.value.split(",").map((tag) => tag.trim()).filter(Boolean);
+    const wanted = form.elements.tags.value
+      .split(",")
+      .map((tag) => tag.trim())
+      .filter(Boolean);
     try {
       await send("PATCH", `/jobs/${view.id}`, { tags: wanted, note: form.elements.note.value });
       made.close();
       announce("Saved.");
       await Promise.all([view.refresh(), renew(document.getElementById("label"))]);
     } catch (refused) {
-      error.textContent = refused.issues.length ? refused.issues.map(({ message }) => message).join("\n") : refused.message;
+      error.textContent = refused.issues.length
+        ? refused.issues.map(({ message }) => message).join("\n")
+        : refused.message;
     }
   });
 }

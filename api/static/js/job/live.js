@@ -7,7 +7,9 @@ import { thinned } from "../scales.js";
 import { openNamed } from "./evaluation.js";
 
 const { job: id } = document.querySelector("main").dataset;
-const POINTS = 3000, MOST = 9000, INTERVAL = 200;
+const POINTS = 3000,
+  MOST = 9000,
+  INTERVAL = 200;
 
 /** What an event says of kernels that a worker compiles; null: it has ended. */
 function compiling({ compiled = 0, missing, seconds }) {
@@ -32,7 +34,9 @@ export async function live(makers) {
     badge(view.job);
     for (const part of parts) part.job?.(view.job);
   };
-  view.changed = () => { for (const part of parts) part.fit?.(); };
+  view.changed = () => {
+    for (const part of parts) part.fit?.();
+  };
   const parts = makers.map((part) => part(view));
   badge(view.job);
   for (const part of parts) part.job?.(view.job);
@@ -41,20 +45,32 @@ export async function live(makers) {
   openNamed(view);
 
   let newest = null;
-  const tell = paced(() => { for (const part of parts) part.generation?.(newest); }, INTERVAL);
+  const tell = paced(() => {
+    for (const part of parts) part.generation?.(newest);
+  }, INTERVAL);
   function take(generation) {
     const { number, evaluations: counted, failed, best_objective, objective, parameters } = generation;
     if (number <= (view.course.at(-1)?.number ?? -1)) return; // known already
     view.course.push({ number, evaluations: counted, best_objective, objective });
     if (view.course.length > MOST) view.course = thinned(view.course, POINTS);
-    Object.assign(view.job, { evaluations: counted, failed_evaluations: failed, objective, parameters, generations: number + 1 });
+    Object.assign(view.job, {
+      evaluations: counted,
+      failed_evaluations: failed,
+      objective,
+      parameters,
+      generations: number + 1,
+    });
     newest = generation;
     tell();
   }
 
-  let busy = false, again = false;
+  let busy = false,
+    again = false;
   async function state() {
-    if (busy) { again = true; return; }
+    if (busy) {
+      again = true;
+      return;
+    }
     busy = true;
     do {
       again = false;
@@ -65,11 +81,14 @@ export async function live(makers) {
     busy = false;
   }
   function changed() {
-    state().then(() => connection(null), (error) => {
-      busy = false;
-      connection(error.message);
-      if (error.status === 0) setTimeout(changed, LATER);
-    });
+    state().then(
+      () => connection(null),
+      (error) => {
+        busy = false;
+        connection(error.message);
+        if (error.status === 0) setTimeout(changed, LATER);
+      },
+    );
   }
   follow(id, {
     after: follower,

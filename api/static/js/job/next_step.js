@@ -5,17 +5,51 @@ import { percent } from "../format.js";
 import { get, post } from "../http.js";
 import { OPEN } from "../states.js";
 
-const AGAIN = 2000, SPARSE = 0.1;
+const AGAIN = 2000,
+  SPARSE = 0.1;
 const PATHS = { sensitivity: "sensitivity", profile: "profile", explore: "explore" };
 
 /** What to do after the statistics of a job: {kind, words, why}; kind null is a link. */
 export function proposed({ linearisation, fit, basins }) {
-  if (!linearisation || !linearisation.at_optimum) return { kind: "sensitivity", words: "Find out what the data can tell", why: "Goes to the minimum and calculates intervals there." };
-  if (fit.kind === "lack_of_fit") return { kind: null, words: "Change the problem and calibrate again", why: "Leave out what the model does not contain, or take another law.", path: (id) => `/new?from=${id}` };
-  if (Object.values(linearisation.parameters).some(({ bent }) => bent)) return { kind: "profile", words: "Follow the bend of the intervals", why: "The model is nonlinear inside an interval: profiles give its true ends." };
-  if (basins.unfinished.length || basins.untried.length) return { kind: "explore", words: "Look for another set of parameters that fits", why: basins.unfinished.length ? "Runs point to another basin, that the search did not explore." : "Parameters may be interchangeable: no run has tried swapped values." };
-  if ((basins.hidden ?? 0) > SPARSE) return { kind: "explore", words: "Look for another set of parameters that fits", why: `${percent(basins.hidden)} of the searched space could still contain one.` };
-  return { kind: null, words: "Get the report", why: "No further step is needed.", path: (id) => `/api/v1/jobs/${id}/report.html` };
+  if (!linearisation || !linearisation.at_optimum)
+    return {
+      kind: "sensitivity",
+      words: "Find out what the data can tell",
+      why: "Goes to the minimum and calculates intervals there.",
+    };
+  if (fit.kind === "lack_of_fit")
+    return {
+      kind: null,
+      words: "Change the problem and calibrate again",
+      why: "Leave out what the model does not contain, or take another law.",
+      path: (id) => `/new?from=${id}`,
+    };
+  if (Object.values(linearisation.parameters).some(({ bent }) => bent))
+    return {
+      kind: "profile",
+      words: "Follow the bend of the intervals",
+      why: "The model is nonlinear inside an interval: profiles give its true ends.",
+    };
+  if (basins.unfinished.length || basins.untried.length)
+    return {
+      kind: "explore",
+      words: "Look for another set of parameters that fits",
+      why: basins.unfinished.length
+        ? "Runs point to another basin, that the search did not explore."
+        : "Parameters may be interchangeable: no run has tried swapped values.",
+    };
+  if ((basins.hidden ?? 0) > SPARSE)
+    return {
+      kind: "explore",
+      words: "Look for another set of parameters that fits",
+      why: `${percent(basins.hidden)} of the searched space could still contain one.`,
+    };
+  return {
+    kind: null,
+    words: "Get the report",
+    why: "No further step is needed.",
+    path: (id) => `/api/v1/jobs/${id}/report.html`,
+  };
 }
 
 export function nextStep(view, place, onFound) {
@@ -37,8 +71,27 @@ export function nextStep(view, place, onFound) {
   async function watch(job) {
     clearTimeout(timer);
     const open = OPEN.has(job.state);
-    exchange(place, element("p", {}, element("a", { href: `/jobs/${job.id}` }, FOLLOW_UPS[job.method] ?? job.name), ` is ${job.state}: ${job.evaluations} runs so far. `,
-      open ? element("button", { type: "button", class: "danger small", onclick: ({ currentTarget }) => once(currentTarget, () => cancel(job)) }, "Cancel it") : null), message);
+    exchange(
+      place,
+      element(
+        "p",
+        {},
+        element("a", { href: `/jobs/${job.id}` }, FOLLOW_UPS[job.method] ?? job.name),
+        ` is ${job.state}: ${job.evaluations} runs so far. `,
+        open
+          ? element(
+              "button",
+              {
+                type: "button",
+                class: "danger small",
+                onclick: ({ currentTarget }) => once(currentTarget, () => cancel(job)),
+              },
+              "Cancel it",
+            )
+          : null,
+      ),
+      message,
+    );
     if (!open) return onFound();
     timer = setTimeout(async () => {
       try {
@@ -61,11 +114,28 @@ export function nextStep(view, place, onFound) {
     async show() {
       const step = proposed(view.statistics);
       const why = element("p", { class: "help" }, step.why);
-      if (step.kind === null) return void exchange(place, element("a", { class: "button", href: step.path(view.id), target: step.path(view.id).startsWith("/api") ? "_blank" : null, rel: "noopener" }, step.words), why);
+      if (step.kind === null)
+        return void exchange(
+          place,
+          element(
+            "a",
+            {
+              class: "button",
+              href: step.path(view.id),
+              target: step.path(view.id).startsWith("/api") ? "_blank" : null,
+              rel: "noopener",
+            },
+            step.words,
+          ),
+          why,
+        );
       if (!may) return void exchange(place, why);
       let cost = null;
       try {
-        const [{ items }, { follow_ups: found }] = await Promise.all([get(`/jobs/${view.id}/follow-ups`), get(`/jobs/${view.id}/uncertainty`)]);
+        const [{ items }, { follow_ups: found }] = await Promise.all([
+          get(`/jobs/${view.id}/follow-ups`),
+          get(`/jobs/${view.id}/uncertainty`),
+        ]);
         const running = found.find((one) => one.kind === step.kind && OPEN.has(one.state));
         if (running) return void (await watch(await get(`/jobs/${running.id}`)));
         cost = items.find((one) => one.kind === step.kind);
@@ -73,7 +143,12 @@ export function nextStep(view, place, onFound) {
         message.textContent = error.message;
       }
       if (cost?.refused) return void exchange(place, element("p", { class: "help" }, cost.refused));
-      const button = element("button", { type: "button", onclick: () => once(button, () => begin(step, cost)) }, step.words, cost ? element("small", {}, costWords(cost)) : null);
+      const button = element(
+        "button",
+        { type: "button", onclick: () => once(button, () => begin(step, cost)) },
+        step.words,
+        cost ? element("small", {}, costWords(cost)) : null,
+      );
       exchange(place, button, why, message);
     },
   };

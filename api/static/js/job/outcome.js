@@ -4,7 +4,8 @@ import { get } from "../http.js";
 import { openEvaluation } from "./evaluation.js";
 
 export function outcome(view) {
-  const place = document.getElementById("outcome"), warnings = document.getElementById("warnings");
+  const place = document.getElementById("outcome"),
+    warnings = document.getElementById("warnings");
   let shown = null;
 
   async function first() {
@@ -24,10 +25,30 @@ export function outcome(view) {
     shown = now;
     warnings.replaceChildren(...job.warnings.map((text) => element("li", {}, text)));
     const failed = job.failed_evaluations;
-    const why = failed ? element("button", { type: "button", class: job.error ? "quiet" : "link", onclick: first }, job.error ? "Show the first failed evaluation" : "See why") : null;
-    const again = job.error && document.body.dataset.maySubmit === "true" ? element("a", { class: "button", href: `/new?from=${view.id}` }, "Change the problem and calibrate again") : null;
-    if (job.error) place.replaceChildren(element("div", { class: "error" }, element("p", {}, job.error), element("div", { class: "buttons" }, again, why)));
-    else if (failed) place.replaceChildren(element("p", { class: "help" }, `${failed} of ${job.evaluations} evaluations failed. `, why));
+    const why = failed
+      ? element(
+          "button",
+          { type: "button", class: job.error ? "quiet" : "link", onclick: first },
+          job.error ? "Show the first failed evaluation" : "See why",
+        )
+      : null;
+    const again =
+      job.error && document.body.dataset.maySubmit === "true"
+        ? element("a", { class: "button", href: `/new?from=${view.id}` }, "Change the problem and calibrate again")
+        : null;
+    if (job.error)
+      place.replaceChildren(
+        element(
+          "div",
+          { class: "error" },
+          element("p", {}, job.error),
+          element("div", { class: "buttons" }, again, why),
+        ),
+      );
+    else if (failed)
+      place.replaceChildren(
+        element("p", { class: "help" }, `${failed} of ${job.evaluations} evaluations failed. `, why),
+      );
     else place.replaceChildren();
   }
   return { job: show, generation: show };

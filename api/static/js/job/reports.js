@@ -4,7 +4,9 @@ import { request } from "../http.js";
 
 export function reports() {
   for (const link of document.querySelectorAll("a[data-made]")) {
-    link.addEventListener("click", (event) => (link.download ? saved(event, link) : announce("The report opens in a new tab after a few seconds.")));
+    link.addEventListener("click", (event) =>
+      link.download ? saved(event, link) : announce("The report opens in a new tab after a few seconds."),
+    );
   }
 }
 
@@ -14,8 +16,11 @@ async function saved(event, link) {
   event.preventDefault();
   if (link.ariaBusy === "true") return;
   link.ariaBusy = "true";
-  const words = link.textContent, begun = Date.now();
-  const count = setInterval(() => { link.textContent = `${words}: in preparation, ${Math.round((Date.now() - begun) / 1000)} s …`; }, 1000);
+  const words = link.textContent,
+    begun = Date.now();
+  const count = setInterval(() => {
+    link.textContent = `${words}: in preparation, ${Math.round((Date.now() - begun) / 1000)} s …`;
+  }, 1000);
   announce("Making the report …");
   try {
     const { pathname } = new URL(link.href);

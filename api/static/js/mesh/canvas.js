@@ -4,7 +4,10 @@ import { paint } from "./drawing.js";
 import { box } from "./geometry.js";
 
 const CHROME = 420; // px of the window for what stands above the body: what is shown, its legend, its readings
-const MARGIN = 0.06, STEP = 1.4, MOVE = 60, RING = 7;
+const MARGIN = 0.06,
+  STEP = 1.4,
+  MOVE = 60,
+  RING = 7;
 const WAYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 export class BodyCanvas {
@@ -13,16 +16,35 @@ export class BodyCanvas {
     this.onNode = onNode;
     this.marked = null; // the node that the keyboard has reached
     this.canvas = element("canvas", { role: "img", "aria-label": "Body" });
-    const button = (text, name, act) => element("button", { type: "button", class: "quiet", "aria-label": name, title: name, onclick: act }, text);
-    const buttons = element("div", { class: "zoom" }, button("+", "Zoom in", () => this.zoom(STEP)), button("−", "Zoom out", () => this.zoom(1 / STEP)), button("Whole", "The whole body", () => this.whole()));
-    this.frame = element("div", { class: "body", tabindex: "0", role: "region", "aria-label": "Mesh: arrow keys move, + and - zoom, 0 shows all, Shift and arrow keys go from node to node" }, this.canvas, buttons);
+    const button = (text, name, act) =>
+      element("button", { type: "button", class: "quiet", "aria-label": name, title: name, onclick: act }, text);
+    const buttons = element(
+      "div",
+      { class: "zoom" },
+      button("+", "Zoom in", () => this.zoom(STEP)),
+      button("−", "Zoom out", () => this.zoom(1 / STEP)),
+      button("Whole", "The whole body", () => this.whole()),
+    );
+    this.frame = element(
+      "div",
+      {
+        class: "body",
+        tabindex: "0",
+        role: "region",
+        "aria-label": "Mesh: arrow keys move, + and - zoom, 0 shows all, Shift and arrow keys go from node to node",
+      },
+      this.canvas,
+      buttons,
+    );
     holder.append(this.frame);
     this.frame.addEventListener("keydown", (event) => this.key(event));
     this.canvas.addEventListener("pointerdown", (event) => this.drag(event));
     this.canvas.addEventListener("pointermove", (event) => this.point(event));
     this.canvas.addEventListener("pointerleave", () => this.onNode(null));
     this.canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
-    new ResizeObserver(() => { if (this.view && this.frame.clientWidth !== this.width) this.resize(); }).observe(this.frame);
+    new ResizeObserver(() => {
+      if (this.view && this.frame.clientWidth !== this.width) this.resize();
+    }).observe(this.frame);
     document.addEventListener("themechange", () => this.draw());
   }
 
@@ -48,7 +70,10 @@ export class BodyCanvas {
 
   whole() {
     const [left, bottom, right, top] = box(this.view.mesh.nodes);
-    this.pixels = Math.min((this.width * (1 - 2 * MARGIN)) / (right - left || 1), (this.height - 70) / (top - bottom || 1));
+    this.pixels = Math.min(
+      (this.width * (1 - 2 * MARGIN)) / (right - left || 1),
+      (this.height - 70) / (top - bottom || 1),
+    );
     this.centre = [(left + right) / 2, (bottom + top) / 2];
     this.draw();
   }
@@ -72,10 +97,15 @@ export class BodyCanvas {
   /** Go to the next node in a direction, at first to the one in the middle of what is seen. */
   step(across, up) {
     const from = this.marked === null ? this.centre : this.view.places[this.marked];
-    let next = this.marked, least = Infinity;
+    let next = this.marked,
+      least = Infinity;
     this.view.places.forEach(([x, y], node) => {
-      const [ahead, aside] = [(x - from[0]) * across + (y - from[1]) * up, Math.abs((x - from[0]) * up) + Math.abs((y - from[1]) * across)];
-      const distance = this.marked === null ? ahead ** 2 + aside ** 2 : ahead > 1e-9 && aside <= ahead ? ahead + 2 * aside : Infinity;
+      const [ahead, aside] = [
+        (x - from[0]) * across + (y - from[1]) * up,
+        Math.abs((x - from[0]) * up) + Math.abs((y - from[1]) * across),
+      ];
+      const distance =
+        this.marked === null ? ahead ** 2 + aside ** 2 : ahead > 1e-9 && aside <= ahead ? ahead + 2 * aside : Infinity;
       if (distance < least) [next, least] = [node, distance];
     });
     this.marked = next;
@@ -115,7 +145,8 @@ export class BodyCanvas {
     if (!this.view || event.buttons) return;
     const frame = this.canvas.getBoundingClientRect();
     const [x, y] = [event.clientX - frame.left, event.clientY - frame.top];
-    let nearest = null, least = 15 ** 2;
+    let nearest = null,
+      least = 15 ** 2;
     this.view.places.forEach((place, node) => {
       const [a, b] = this.map(place);
       const distance = (a - x) ** 2 + (b - y) ** 2;

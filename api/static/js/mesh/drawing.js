@@ -13,7 +13,9 @@ export function bandColour(band, count) {
 
 export function regionColours(count) {
   const found = palette();
-  return Array.from({ length: count }, (_, i) => found[i % found.length].replace("rgb(", "rgba(").replace(")", `, ${i < found.length ? 0.45 : 0.25})`));
+  return Array.from({ length: count }, (_, i) =>
+    found[i % found.length].replace("rgb(", "rgba(").replace(")", `, ${i < found.length ? 0.45 : 0.25})`),
+  );
 }
 
 /**
@@ -26,7 +28,14 @@ export function paint(context, view, map, size) {
   context.lineJoin = "round";
   if (view.shown === "regions") regions(context, view, pixels);
   else contours(context, view, pixels);
-  if (view.options.lines) lines(context, view.mesh.triangles, pixels, colour("--muted"), (view.shown === "regions" ? 0.45 : 0.25) * fineness(view.mesh.triangles, pixels));
+  if (view.options.lines)
+    lines(
+      context,
+      view.mesh.triangles,
+      pixels,
+      colour("--muted"),
+      (view.shown === "regions" ? 0.45 : 0.25) * fineness(view.mesh.triangles, pixels),
+    );
   interfaces(context, view.mesh.interfaces, pixels);
   if (view.options.outline) edges(context, view.outline, view.mesh.nodes.map(map), colour("--ink"), [5, 4]);
   if (view.options.points) points(context, view.mesh, pixels);
@@ -37,7 +46,9 @@ export function paint(context, view, map, size) {
 /** A length of the body, for scale. */
 function metres(context, map, [width, height]) {
   const perMetre = map([1, 0])[0] - map([0, 0])[0];
-  const length = roundDown((0.2 * width) / perMetre), end = width - 16, start = end - length * perMetre;
+  const length = roundDown((0.2 * width) / perMetre),
+    end = width - 16,
+    start = end - length * perMetre;
   context.strokeStyle = colour("--ink");
   context.lineWidth = 2;
   context.beginPath();
@@ -60,7 +71,9 @@ function regions(context, { mesh }, pixels) {
   const colours = regionColours(mesh.region_names.length);
   colours.forEach((paintOf, region) => {
     const path = new Path2D();
-    mesh.triangles.forEach((nodes, e) => { if (mesh.regions[e] === region) triangle(path, nodes, pixels); });
+    mesh.triangles.forEach((nodes, e) => {
+      if (mesh.regions[e] === region) triangle(path, nodes, pixels);
+    });
     context.fillStyle = paintOf;
     context.fill(path);
   });
@@ -78,9 +91,17 @@ function contours(context, { mesh, shown }, pixels) {
     for (const piece of PIECES) {
       const corners = piece.map((k) => [...pixels[nodes[k]], shown.value(e, k)]);
       const inBands = corners.map(([, , value]) => bandOf(value));
-      const first = Math.min(...inBands), last = Math.max(...inBands);
+      const first = Math.min(...inBands),
+        last = Math.max(...inBands);
       for (let band = first; band <= last; band += 1) {
-        const polygon = first === last ? corners : between(corners, band === 0 ? -Infinity : shown.levels[band], band === bands - 1 ? Infinity : shown.levels[band + 1]);
+        const polygon =
+          first === last
+            ? corners
+            : between(
+                corners,
+                band === 0 ? -Infinity : shown.levels[band],
+                band === bands - 1 ? Infinity : shown.levels[band + 1],
+              );
         if (polygon.length < 3) continue;
         paths[band].moveTo(polygon[0][0], polygon[0][1]);
         for (const [x, y] of polygon.slice(1)) paths[band].lineTo(x, y);
@@ -98,7 +119,9 @@ function contours(context, { mesh, shown }, pixels) {
 
 /** Thinner lines where triangles are small on the screen, 0.2 to 1: they shall not hide the colours. */
 function fineness(triangles, pixels) {
-  const sides = triangles.map(([a, b]) => Math.hypot(pixels[a][0] - pixels[b][0], pixels[a][1] - pixels[b][1])).sort((a, b) => a - b);
+  const sides = triangles
+    .map(([a, b]) => Math.hypot(pixels[a][0] - pixels[b][0], pixels[a][1] - pixels[b][1]))
+    .sort((a, b) => a - b);
   return Math.max(0.2, Math.min(1, (sides[sides.length >> 1] ?? 12) / 12));
 }
 
@@ -165,7 +188,10 @@ function arrows(context, { vectors, unit }, map, [width, height]) {
   const longest = Math.max(...vectors.flatMap(({ measured, calculated }) => [length(measured), length(calculated)]));
   if (!(longest > 0)) return;
   const factor = (LONGEST_ARROW * width) / longest;
-  for (const [which, token, thick] of [["measured", "--ink", 3.5], ["calculated", "--series-1", 2]]) {
+  for (const [which, token, thick] of [
+    ["measured", "--ink", 3.5],
+    ["calculated", "--series-1", 2],
+  ]) {
     for (const vector of vectors) {
       if (vector[which].every((value) => value === null)) continue;
       const [x, y] = map([vector.x, vector.y]);
@@ -179,7 +205,8 @@ function arrows(context, { vectors, unit }, map, [width, height]) {
 }
 
 function arrow(context, x0, y0, x1, y1, paintOf, thick) {
-  const angle = Math.atan2(y1 - y0, x1 - x0), head = Math.min(5 + 2 * thick, Math.hypot(x1 - x0, y1 - y0));
+  const angle = Math.atan2(y1 - y0, x1 - x0),
+    head = Math.min(5 + 2 * thick, Math.hypot(x1 - x0, y1 - y0));
   context.strokeStyle = context.fillStyle = paintOf;
   context.lineWidth = thick;
   context.beginPath();
@@ -188,6 +215,7 @@ function arrow(context, x0, y0, x1, y1, paintOf, thick) {
   context.stroke();
   context.beginPath();
   context.moveTo(x1, y1);
-  for (const side of [-0.45, 0.45]) context.lineTo(x1 - head * Math.cos(angle + side), y1 - head * Math.sin(angle + side));
+  for (const side of [-0.45, 0.45])
+    context.lineTo(x1 - head * Math.cos(angle + side), y1 - head * Math.sin(angle + side));
   context.fill();
 }

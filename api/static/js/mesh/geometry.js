@@ -1,8 +1,17 @@
 // Six-node triangles: their straight pieces, their outline, and filled contours.
 
 /** Four triangles of three nodes, as places in the list of six, that make up one of six. */
-export const PIECES = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
-const SIDES = [[0, 3, 1], [1, 4, 2], [2, 5, 0]];
+export const PIECES = [
+  [0, 3, 5],
+  [3, 1, 4],
+  [5, 4, 2],
+  [3, 4, 5],
+];
+const SIDES = [
+  [0, 3, 1],
+  [1, 4, 2],
+  [2, 5, 0],
+];
 
 /** Sides that belong to one triangle only: [start, mid, end]. */
 export function outline(triangles) {
@@ -23,7 +32,8 @@ export function levels(low, high, most = 10) {
   if (!(rough > 0)) return [low, low + 1];
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 2.5, 5, 10].map((digit) => digit * power).find((one) => one >= rough * 0.999);
-  const first = Math.floor(low / step + 1e-9), last = Math.ceil(high / step - 1e-9);
+  const first = Math.floor(low / step + 1e-9),
+    last = Math.ceil(high / step - 1e-9);
   return Array.from({ length: Math.max(2, last - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(8)));
 }
 
@@ -32,16 +42,21 @@ export function levels(low, high, most = 10) {
  * `corners`: [x, y, value] each; returns the same, fewer than three where nothing is left.
  */
 export function between(corners, low, high) {
-  return clipped(clipped(corners, (value) => value - low), (value) => high - value);
+  return clipped(
+    clipped(corners, (value) => value - low),
+    (value) => high - value,
+  );
 }
 
 function clipped(corners, excess) {
   const kept = [];
   for (let i = 0; i < corners.length; i += 1) {
-    const here = corners[i], next = corners[(i + 1) % corners.length];
-    const a = excess(here[2]), b = excess(next[2]);
+    const here = corners[i],
+      next = corners[(i + 1) % corners.length];
+    const a = excess(here[2]),
+      b = excess(next[2]);
     if (a >= 0) kept.push(here);
-    if ((a < 0) !== (b < 0)) {
+    if (a < 0 !== b < 0) {
       const share = a / (a - b);
       kept.push(here.map((value, k) => value + share * (next[k] - value)));
     }
@@ -75,10 +90,13 @@ export function largestFactor(nodes, displacement, triangles) {
   let least = Infinity;
   for (const triangle of triangles) {
     for (const piece of PIECES) {
-      const [p, q, r] = piece.map((k) => nodes[triangle[k]]), [u, v, w] = piece.map((k) => displacement[triangle[k]]);
+      const [p, q, r] = piece.map((k) => nodes[triangle[k]]),
+        [u, v, w] = piece.map((k) => displacement[triangle[k]]);
       const [ex, ey, fx, fy] = [q[0] - p[0], q[1] - p[1], r[0] - p[0], r[1] - p[1]];
       const [gx, gy, hx, hy] = [v[0] - u[0], v[1] - u[1], w[0] - u[0], w[1] - u[1]];
-      const a = ex * fy - ey * fx, b = ex * hy + gx * fy - ey * hx - gy * fx, c = gx * hy - gy * hx;
+      const a = ex * fy - ey * fx,
+        b = ex * hy + gx * fy - ey * hx - gy * fx,
+        c = gx * hy - gy * hx;
       least = Math.min(least, firstRoot(a, b, c));
     }
   }

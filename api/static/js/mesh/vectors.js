@@ -6,12 +6,45 @@ export function vectorTable(vectors, { name, factor }) {
   if (!vectors.length) return empty("No displacements of points were measured.");
   const value = (one) => element("td", { class: "n" }, one === null ? "–" : number(one * factor, 4));
   const length = ([x, y]) => (x === null || y === null ? null : Math.hypot(x, y));
-  const head = ["Point", "Period [day]", ...["ux", "uy", "length"].flatMap((what) => [`${what} measured [${name}]`, `calculated [${name}]`]), "Difference of length"];
-  const share = (measured, calculated) => (measured && calculated !== null ? `${(100 * (calculated / measured - 1)).toFixed(0)} %`.replace("-", "−") : "–");
-  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Displacements of points" }, element("table", {},
-    element("thead", {}, element("tr", {}, head.map((text, i) => element("th", { scope: "col", class: i > 1 ? "n" : null }, text)))),
-    element("tbody", {}, vectors.map(({ name: survey, point, start, end, measured, calculated }) => element("tr", {},
-      element("th", { scope: "row" }, `${point} (${survey})`), element("td", {}, `${number(start, 6)} to ${number(end, 6)}`),
-      [0, 1].map((axis) => [value(measured[axis]), value(calculated[axis])]), value(length(measured)), value(length(calculated)),
-      element("td", { class: "n" }, share(length(measured), length(calculated))))))));
+  const head = [
+    "Point",
+    "Period [day]",
+    ...["ux", "uy", "length"].flatMap((what) => [`${what} measured [${name}]`, `calculated [${name}]`]),
+    "Difference of length",
+  ];
+  const share = (measured, calculated) =>
+    measured && calculated !== null ? `${(100 * (calculated / measured - 1)).toFixed(0)} %`.replace("-", "−") : "–";
+  return element(
+    "div",
+    { class: "wide", tabindex: "0", role: "region", "aria-label": "Displacements of points" },
+    element(
+      "table",
+      {},
+      element(
+        "thead",
+        {},
+        element(
+          "tr",
+          {},
+          head.map((text, i) => element("th", { scope: "col", class: i > 1 ? "n" : null }, text)),
+        ),
+      ),
+      element(
+        "tbody",
+        {},
+        vectors.map(({ name: survey, point, start, end, measured, calculated }) =>
+          element(
+            "tr",
+            {},
+            element("th", { scope: "row" }, `${point} (${survey})`),
+            element("td", {}, `${number(start, 6)} to ${number(end, 6)}`),
+            [0, 1].map((axis) => [value(measured[axis]), value(calculated[axis])]),
+            value(length(measured)),
+            value(length(calculated)),
+            element("td", { class: "n" }, share(length(measured), length(calculated))),
+          ),
+        ),
+      ),
+    ),
+  );
 }

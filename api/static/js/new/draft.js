@@ -1,20 +1,41 @@
 // The problem in the making: one document that the form and the YAML both show, judged by the service after every change.
 import { request, RequestError } from "../http.js";
 
-const ORDER = ["name", "forward_model", "index_properties", "parameters", "constraints", "weighting", "noise", "method", "stopping", "seed", "priority", "limits", "failures", "warm_start", "observations"];
+const ORDER = [
+  "name",
+  "forward_model",
+  "index_properties",
+  "parameters",
+  "constraints",
+  "weighting",
+  "noise",
+  "method",
+  "stopping",
+  "seed",
+  "priority",
+  "limits",
+  "failures",
+  "warm_start",
+  "observations",
+];
 const PAUSE = 250; // ms without a keystroke before the service is asked
 const KEPT = "geoswarm-new-job";
 
 /** Path as the service writes it: ["observations", 0, "weight"] is observations[0].weight. */
 export function pathText(path) {
-  return path.reduce((text, step) => (typeof step === "number" ? `${text}[${step}]` : text ? `${text}.${step}` : step), "");
+  return path.reduce(
+    (text, step) => (typeof step === "number" ? `${text}[${step}]` : text ? `${text}.${step}` : step),
+    "",
+  );
 }
 
 export const clone = (value) => (value === undefined ? undefined : structuredClone(value));
 
 function ordered(document) {
   const known = ORDER.filter((key) => key in document);
-  return Object.fromEntries([...known, ...Object.keys(document).filter((key) => !ORDER.includes(key))].map((key) => [key, document[key]]));
+  return Object.fromEntries(
+    [...known, ...Object.keys(document).filter((key) => !ORDER.includes(key))].map((key) => [key, document[key]]),
+  );
 }
 
 /**
@@ -24,20 +45,27 @@ function ordered(document) {
  */
 export function createDraft() {
   const listeners = { replace: [], change: [], answer: [], failure: [], undo: [] };
-  const fire = (name, value) => { for (const act of listeners[name]) act(value); };
-  let timer = null, running = null, text = null;
+  const fire = (name, value) => {
+    for (const act of listeners[name]) act(value);
+  };
+  let timer = null,
+    running = null,
+    text = null;
   let model = { kind: null, parameters: [], series: [] };
 
   const draft = {
     document: {},
     answer: null,
     changes: 0,
-    on: (name, act) => { listeners[name].push(act); },
+    on: (name, act) => {
+      listeners[name].push(act);
+    },
     read: (path) => path.reduce((value, step) => value?.[step], draft.document),
     write(path, value) {
       let place = draft.document;
       path.slice(0, -1).forEach((step, i) => {
-        if (typeof place[step] !== "object" || place[step] === null) place[step] = typeof path[i + 1] === "number" ? [] : {};
+        if (typeof place[step] !== "object" || place[step] === null)
+          place[step] = typeof path[i + 1] === "number" ? [] : {};
         place = place[step];
       });
       const last = path.at(-1);
@@ -81,21 +109,25 @@ export function createDraft() {
     fire("change");
     if (yaml === null) keep(draft.document);
     clearTimeout(timer);
-    timer = setTimeout(() => { ask().catch(() => {}); }, PAUSE);
+    timer = setTimeout(() => {
+      ask().catch(() => {});
+    }, PAUSE);
   }
 
   async function ask() {
     running?.abort();
     const mine = new AbortController();
     running = mine;
-    const given = text, changes = draft.changes;
+    const given = text,
+      changes = draft.changes;
     try {
       const body = given ?? JSON.stringify(ordered(draft.document));
       const headers = { "Content-Type": given === null ? "application/json" : "application/yaml" };
       const answer = await (await request("POST", "/problems/read", { body, headers, signal: mine.signal })).json();
       if (changes !== draft.changes) return answer;
       draft.answer = answer;
-      if (answer.parameters) model = { kind: answer.document.forward_model.kind, parameters: answer.parameters, series: answer.series };
+      if (answer.parameters)
+        model = { kind: answer.document.forward_model.kind, parameters: answer.parameters, series: answer.series };
       if (given !== null && answer.document !== null) {
         draft.document = clone(answer.document);
         keep(draft.document);

@@ -10,7 +10,8 @@ export function indexProperties(context) {
   const place = element("div", { id: "index-properties" });
   const schema = context.root.properties?.index_properties;
   if (!schema) return place;
-  const draw = () => place.replaceChildren(anyField(context, ["index_properties"], schema, { label: "Index properties" }));
+  const draw = () =>
+    place.replaceChildren(anyField(context, ["index_properties"], schema, { label: "Index properties" }));
   draw();
   context.draft.on("replace", draw);
   return place;
@@ -27,13 +28,20 @@ export function showExpected(root, estimates) {
     const found = estimates.filter((one) => one.parameter === place.dataset.expected);
     place.hidden = !found.length;
     if (!found.length) continue;
-    const low = Math.min(...found.map((one) => one.lower)), high = Math.max(...found.map((one) => one.upper));
+    const low = Math.min(...found.map((one) => one.lower)),
+      high = Math.max(...found.map((one) => one.upper));
     const unit = found[0].unit ? ` ${found[0].unit}` : "";
     const range = number(low) === number(high) ? number(low) : `${number(low)} to ${number(high)}`;
     const by = [...new Set(found.map((one) => (one.measured ? "readings" : "index properties")))].join(" and ");
     const more = found.length > MOST ? [element("li", {}, `and ${found.length - MOST} more`)] : [];
     place.replaceChildren(
       element("summary", {}, `Expected: ${range}${unit}, by ${by}`),
-      element("ul", {}, found.slice(0, MOST).map((one) => element("li", {}, `${number(one.value)}${unit}: ${one.source}`)), more));
+      element(
+        "ul",
+        {},
+        found.slice(0, MOST).map((one) => element("li", {}, `${number(one.value)}${unit}: ${one.source}`)),
+        more,
+      ),
+    );
   }
 }

@@ -14,7 +14,7 @@ export function numberOf(text, nullable = false, unit = undefined) {
   if (plain === "") return undefined;
   if (nullable && /^(none|null)$/i.test(plain)) return null;
   const value = Number(/^[+-]?\d*,\d+(e[+-]?\d+)?$/i.test(plain) ? plain.replace(",", ".") : plain);
-  return Number.isFinite(value) ? value : unit === undefined ? plain : valueWithUnit(plain, unit) ?? plain;
+  return Number.isFinite(value) ? value : unit === undefined ? plain : (valueWithUnit(plain, unit) ?? plain);
 }
 
 export function shown(value) {
@@ -34,7 +34,25 @@ export function errorPlace(path) {
  * `fallback` is what holds when nothing is given; choosing it gives nothing. `bare` hides the label (in tables), `blank` is
  * what an empty input writes: undefined, which removes the key, unless given.
  */
-export function field(draft, path, { label, kind = "text", unit, help, fallback, nullable, options, typical, required, bare, onchange, wide, blank } = {}) {
+export function field(
+  draft,
+  path,
+  {
+    label,
+    kind = "text",
+    unit,
+    help,
+    fallback,
+    nullable,
+    options,
+    typical,
+    required,
+    bare,
+    onchange,
+    wide,
+    blank,
+  } = {},
+) {
   const id = idOf(path);
   const unusual = typical || unit ? element("p", { class: "unusual", role: "status", hidden: true }) : null;
   const write = (value) => {
@@ -43,7 +61,8 @@ export function field(draft, path, { label, kind = "text", unit, help, fallback,
     onchange?.(value);
   };
   const given = draft.read(path) === blank ? undefined : draft.read(path);
-  const input = kind === "select" ? select(given, fallback, options, write) : text(given, kind, nullable, fallback, write, unit);
+  const input =
+    kind === "select" ? select(given, fallback, options, write) : text(given, kind, nullable, fallback, write, unit);
   input.id = id;
   input.dataset.path = pathText(path);
   const described = [help || typical ? `${id}-help` : null, `${id}-error`].filter(Boolean).join(" ");
@@ -51,19 +70,39 @@ export function field(draft, path, { label, kind = "text", unit, help, fallback,
   if (required) input.setAttribute("aria-required", "true");
   warn(unusual, given, typical, unit);
   const unitText = unit && unit !== "1" && unit !== "-" && unit !== "dimensionless" ? unit : null;
-  return element("div", { class: `field ${wide ? "wide-field" : ""}` },
-    element("label", { for: id, class: bare ? "visually-hidden" : null }, label, unitText && bare ? ` [${unitText}]` : null),
-    element("div", { class: "with-unit" }, input, unitText && !bare ? element("span", { class: "unit" }, unitText) : null),
+  return element(
+    "div",
+    { class: `field ${wide ? "wide-field" : ""}` },
+    element(
+      "label",
+      { for: id, class: bare ? "visually-hidden" : null },
+      label,
+      unitText && bare ? ` [${unitText}]` : null,
+    ),
+    element(
+      "div",
+      { class: "with-unit" },
+      input,
+      unitText && !bare ? element("span", { class: "unit" }, unitText) : null,
+    ),
     help || typical
-      ? element("p", { class: bare ? "visually-hidden" : "help", id: `${id}-help` }, help ?? null, typical ? ` Usual: ${number(typical[0])} to ${number(typical[1])}${unitText ? ` ${unitText}` : ""}.` : null)
+      ? element(
+          "p",
+          { class: bare ? "visually-hidden" : "help", id: `${id}-help` },
+          help ?? null,
+          typical ? ` Usual: ${number(typical[0])} to ${number(typical[1])}${unitText ? ` ${unitText}` : ""}.` : null,
+        )
       : null,
-    unusual, errorPlace(path));
+    unusual,
+    errorPlace(path),
+  );
 }
 
 /** A word beside a number outside its usual range: no mistake, but often a slip of units. */
 function warn(place, value, typical, unit) {
   if (!place) return;
-  if (typeof value === "string" && /^[+-]?[\d.,]+\s*[a-z°%µ]/i.test(value)) { // refused: the service would only ask for a number
+  if (typeof value === "string" && /^[+-]?[\d.,]+\s*[a-z°%µ]/i.test(value)) {
+    // refused: the service would only ask for a number
     place.hidden = false;
     place.textContent = `${value} cannot be given in ${unit}: write a number without a thousands separator, or such a value with a unit of the same kind.`;
     return;
@@ -71,28 +110,43 @@ function warn(place, value, typical, unit) {
   if (!typical) return void (place.hidden = true);
   const [low, high] = typical;
   place.hidden = typeof value !== "number" || (value >= low && value <= high);
-  if (!place.hidden) place.textContent = `⚠ Outside the usual range, ${number(low)} to ${number(high)}${unit ? ` ${unit}` : ""}: is the unit right?`;
+  if (!place.hidden)
+    place.textContent = `⚠ Outside the usual range, ${number(low)} to ${number(high)}${unit ? ` ${unit}` : ""}: is the unit right?`;
 }
 
 function text(value, kind, nullable, fallback, write, unit) {
   const numeric = kind === "number";
   const place = fallback === undefined || fallback === null || typeof fallback === "object" ? null : String(fallback);
   const input = element("input", {
-    type: "text", value: Array.isArray(value) ? value.join(", ") : shown(value), placeholder: place, spellcheck: "false", autocomplete: "off",
-    inputmode: numeric ? "decimal" : null, class: numeric ? "n" : null,
+    type: "text",
+    value: Array.isArray(value) ? value.join(", ") : shown(value),
+    placeholder: place,
+    spellcheck: "false",
+    autocomplete: "off",
+    inputmode: numeric ? "decimal" : null,
+    class: numeric ? "n" : null,
   });
   input.addEventListener("input", () => write(parsed(input.value, kind, nullable, unit)));
-  if (numeric && unit) input.addEventListener("change", () => { // "20 mm" becomes what it is in the unit beside the field
-    const taken = numberOf(input.value, nullable, unit);
-    if (typeof taken === "number" && !Number.isFinite(Number(input.value.replace(",", ".")))) input.value = shown(taken);
-  });
+  if (numeric && unit)
+    input.addEventListener("change", () => {
+      // "20 mm" becomes what it is in the unit beside the field
+      const taken = numberOf(input.value, nullable, unit);
+      if (typeof taken === "number" && !Number.isFinite(Number(input.value.replace(",", "."))))
+        input.value = shown(taken);
+    });
   return input;
 }
 
 function parsed(given, kind, nullable, unit) {
   if (kind === "number") return numberOf(given, nullable, unit || undefined);
   if (kind === "mixed") return numberOf(given, nullable);
-  if (kind === "numbers") return given.trim() === "" ? undefined : given.split(/[;\s]+|,\s*/).filter(Boolean).map((one) => numberOf(one));
+  if (kind === "numbers")
+    return given.trim() === ""
+      ? undefined
+      : given
+          .split(/[;\s]+|,\s*/)
+          .filter(Boolean)
+          .map((one) => numberOf(one));
   if (kind === "texts") return given.trim() === "" ? undefined : given.split(/\s*,\s*/).filter(Boolean);
   if (kind === "json") return jsonOf(given);
   return given === "" ? undefined : given;
@@ -110,7 +164,11 @@ function select(value, fallback, options, write) {
   const given = value === undefined ? fallback : value;
   const known = options.some(([one]) => one === given);
   const all = known ? options : [[given, given === undefined ? "choose …" : String(given)], ...options];
-  const made = element("select", {}, all.map(([one, name], i) => element("option", { value: String(i), selected: one === given }, name)));
+  const made = element(
+    "select",
+    {},
+    all.map(([one, name], i) => element("option", { value: String(i), selected: one === given }, name)),
+  );
   made.addEventListener("change", () => {
     const chosen = all[Number(made.value)][0];
     write(chosen === fallback ? undefined : chosen);
@@ -121,15 +179,24 @@ function select(value, fallback, options, write) {
 /** A checkbox; unchecked and the default are not written. */
 export function checkbox(draft, path, { label, help, fallback = false, onchange } = {}) {
   const id = idOf(path);
-  const input = element("input", { type: "checkbox", id, checked: draft.read(path) ?? fallback, dataset: { path: pathText(path) }, "aria-describedby": help ? `${id}-help` : null });
+  const input = element("input", {
+    type: "checkbox",
+    id,
+    checked: draft.read(path) ?? fallback,
+    dataset: { path: pathText(path) },
+    "aria-describedby": help ? `${id}-help` : null,
+  });
   input.addEventListener("change", () => {
     draft.write(path, input.checked === fallback ? undefined : input.checked);
     onchange?.(input.checked);
   });
-  return element("div", { class: "field check" },
+  return element(
+    "div",
+    { class: "field check" },
     element("label", { for: id }, input, ` ${label}`),
     help ? element("p", { class: "help", id: `${id}-help` }, help) : null,
-    errorPlace(path));
+    errorPlace(path),
+  );
 }
 
 const MISSING = /^is missing|, not null$/;

@@ -18,14 +18,18 @@ export function modelSection(context, place, kinds) {
   function choose({ kind: chosen, model: registered }) {
     const old = draft.read(["forward_model"]) ?? {};
     const known = sectionSchema(chosen, registered)?.properties ?? {};
-    const fits = ([key, value]) => key in known && !["kind", "model", "settings"].includes(key) && schemas.fits(value, known[key]);
+    const fits = ([key, value]) =>
+      key in known && !["kind", "model", "settings"].includes(key) && schemas.fits(value, known[key]);
     const left = Object.fromEntries(Object.entries(old).filter(fits));
     const lost = Object.keys(old).filter((key) => !(key in left) && !["kind", "model"].includes(key));
     const before = clone(earlier.get(registered ?? chosen) ?? {});
     if (old.kind) earlier.set(old.model ?? old.kind, clone(old));
     const back = draft.mark();
     draft.write(["forward_model"], { kind: chosen, ...(registered ? { model: registered } : {}), ...before, ...left });
-    if (lost.length) back(`${words(registered ?? chosen)} instead of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and were removed.`);
+    if (lost.length)
+      back(
+        `${words(registered ?? chosen)} instead of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and were removed.`,
+      );
     draw();
   }
 
@@ -55,24 +59,53 @@ export function modelSection(context, place, kinds) {
     const chosen = kind();
     const schema = chosen && sectionSchema(chosen, chosen === "registered" ? model() : null);
     const hasExample = !["oedometer", "isotropic_compression", "registered"].includes(chosen);
-    exchange(form, schema
-      ? [
-        schema.description ? element("p", { class: "help" }, sentence(schema.description)) : null,
-        hasExample ? element("div", { class: "buttons" }, button("Fill in a small example", useExample)) : null,
-        objectForm(context, ["forward_model"], schema, { skip: ["kind", "model", "version", "declared"], lead: ["settings"] }),
-      ]
-      : element("p", { class: "empty" }, "Choose what is calculated."));
+    exchange(
+      form,
+      schema
+        ? [
+            schema.description ? element("p", { class: "help" }, sentence(schema.description)) : null,
+            hasExample ? element("div", { class: "buttons" }, button("Fill in a small example", useExample)) : null,
+            objectForm(context, ["forward_model"], schema, {
+              skip: ["kind", "model", "version", "declared"],
+              lead: ["settings"],
+            }),
+          ]
+        : element("p", { class: "empty" }, "Choose what is calculated."),
+    );
   }
 
   const isChosen = (one) => one.kind === kind() && (!one.model || one.model === model());
-  const inputs = kinds.map((one) => element("input", { type: "radio", name: "kind", value: one.model ?? one.kind, checked: isChosen(one), onchange: () => choose(one) }));
-  const choices = kinds.map((one, i) => element("label", { class: "choice" }, inputs[i],
-    element("span", {}, element("strong", {}, one.model ?? labelOf(one.kind)), element("small", {}, one.model ? `Registered: ${one.description}` : one.description))));
+  const inputs = kinds.map((one) =>
+    element("input", {
+      type: "radio",
+      name: "kind",
+      value: one.model ?? one.kind,
+      checked: isChosen(one),
+      onchange: () => choose(one),
+    }),
+  );
+  const choices = kinds.map((one, i) =>
+    element(
+      "label",
+      { class: "choice" },
+      inputs[i],
+      element(
+        "span",
+        {},
+        element("strong", {}, one.model ?? labelOf(one.kind)),
+        element("small", {}, one.model ? `Registered: ${one.description}` : one.description),
+      ),
+    ),
+  );
   place.replaceChildren(
     element("fieldset", { class: "choices" }, element("legend", {}, "Forward model"), choices),
-    errorPlace(["forward_model"]), form);
+    errorPlace(["forward_model"]),
+    form,
+  );
   draft.on("replace", () => {
-    kinds.forEach((one, i) => { inputs[i].checked = isChosen(one); });
+    kinds.forEach((one, i) => {
+      inputs[i].checked = isChosen(one);
+    });
     draw();
   });
   draw();

@@ -20,16 +20,45 @@ export function pointsPlot(place, make) {
     const struck = new Set(Array.isArray(gross) ? gross.map((one) => one - 1) : []);
     const counted = (values) => (struck.size ? values.filter((_, i) => !struck.has(i)) : values);
     const [x, y] = [counted(every), counted(all)];
-    const marked = struck.size ? grossErrors(every.filter((_, i) => struck.has(i)), all.filter((_, i) => struck.has(i))) : null;
+    const marked = struck.size
+      ? grossErrors(
+          every.filter((_, i) => struck.has(i)),
+          all.filter((_, i) => struck.has(i)),
+        )
+      : null;
     const [measuredColour, calculatedColour] = palette();
-    const measured = { x: thinned(x), y: thinned(y), name: "measured", mode: "markers", type: "scatter", marker: { color: measuredColour, size: 6 } };
-    const run = calculated && { x: thinned(calculated.x), y: thinned(calculated.y), name: "calculated", mode: "lines+markers", type: "scatter", line: { color: calculatedColour, width: 2 }, marker: { color: calculatedColour, size: 3 } };
+    const measured = {
+      x: thinned(x),
+      y: thinned(y),
+      name: "measured",
+      mode: "markers",
+      type: "scatter",
+      marker: { color: measuredColour, size: 6 },
+    };
+    const run = calculated && {
+      x: thinned(calculated.x),
+      y: thinned(calculated.y),
+      name: "calculated",
+      mode: "lines+markers",
+      type: "scatter",
+      line: { color: calculatedColour, width: 2 },
+      marker: { color: calculatedColour, size: 3 },
+    };
     const [xName, yName] = [withUnit(...xLabel), withUnit(...yLabel)];
     return {
       data: [measured, run, marked].filter(Boolean),
-      layout: { height: 300, showlegend: Boolean(run ?? marked), xaxis: { title: { text: xName } }, yaxis: { title: { text: yName }, ...direction(label, yLabel[0]) } },
+      layout: {
+        height: 300,
+        showlegend: Boolean(run ?? marked),
+        xaxis: { title: { text: xName } },
+        yaxis: { title: { text: yName }, ...direction(label, yLabel[0]) },
+      },
       label: `${label}: ${yName} over ${xName}, ${x.length} readings${run ? " and the test run" : ""}${struck.size ? `, ${struck.size} marked as gross errors` : ""}`,
-      columns: { [xName]: x, [`${yName} measured`]: y, ...(run ? { [`${xName} calculated`]: calculated.x, [`${yName} calculated`]: calculated.y } : {}) },
+      columns: {
+        [xName]: x,
+        [`${yName} measured`]: y,
+        ...(run ? { [`${xName} calculated`]: calculated.x, [`${yName} calculated`]: calculated.y } : {}),
+      },
     };
   });
 }

@@ -2,8 +2,10 @@
 import { element } from "../dom.js";
 
 const SECTIONS = [
-  ["model", "Forward model", ["forward_model"]], ["measurements", "Measurements", ["observations", "weighting"]],
-  ["parameters", "Parameters", ["parameters", "constraints", "index_properties"]], ["method", "Method", ["method", "stopping", "seed"]],
+  ["model", "Forward model", ["forward_model"]],
+  ["measurements", "Measurements", ["observations", "weighting"]],
+  ["parameters", "Parameters", ["parameters", "constraints", "index_properties"]],
+  ["method", "Method", ["method", "stopping", "seed"]],
   ["go", "Check and start", null],
 ];
 
@@ -15,7 +17,8 @@ export function judged(keys, { issues, valid }) {
 
 export function rail({ draft }) {
   const links = SECTIONS.map(([id, words, keys], i) => {
-    const mark = element("span", { class: "mark", "aria-hidden": "true" }, "·"), said = element("span", { class: "visually-hidden" });
+    const mark = element("span", { class: "mark", "aria-hidden": "true" }, "·"),
+      said = element("span", { class: "visually-hidden" });
     const link = element("a", { href: `#${id}-title` }, mark, ` ${i + 1}. ${words}`, said);
     return { keys, link, mark, said };
   });
@@ -27,5 +30,9 @@ export function rail({ draft }) {
       said.textContent = state === "good" ? ", complete" : ", not complete yet";
     }
   });
-  return element("nav", { class: "rail", "aria-label": "Sections of the form" }, links.map(({ link }) => link));
+  return element(
+    "nav",
+    { class: "rail", "aria-label": "Sections of the form" },
+    links.map(({ link }) => link),
+  );
 }

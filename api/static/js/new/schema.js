@@ -16,7 +16,8 @@ export function reader(root) {
     if (!choices) return { schema, nullable: schema.type === "null" };
     const left = choices.map(resolve).filter((one) => one.type !== "null");
     const { anyOf, oneOf, ...beside } = schema;
-    const single = left.length === 1 ? { ...left[0], ...beside, title: left[0].title ?? beside.title } : { ...beside, anyOf: left };
+    const single =
+      left.length === 1 ? { ...left[0], ...beside, title: left[0].title ?? beside.title } : { ...beside, anyOf: left };
     return { schema: single, nullable: left.length < choices.length };
   }
 
@@ -38,12 +39,19 @@ export function reader(root) {
       return tag(schema.anyOf) ? "union" : "alternatives";
     }
     switch (schema.type) {
-      case "number": case "integer": return "number";
-      case "string": return "text";
-      case "boolean": return "flag";
-      case "array": return arrayShape(schema);
-      case "object": return schema.properties ? "object" : inner(schema) ? "map" : "any";
-      default: return "any";
+      case "number":
+      case "integer":
+        return "number";
+      case "string":
+        return "text";
+      case "boolean":
+        return "flag";
+      case "array":
+        return arrayShape(schema);
+      case "object":
+        return schema.properties ? "object" : inner(schema) ? "map" : "any";
+      default:
+        return "any";
     }
   }
 
@@ -54,7 +62,9 @@ export function reader(root) {
     if (kind === "number") return "numbers";
     if (kind === "text") return "texts";
     if (kind === "object") {
-      const flat = Object.values(item.properties).every((one) => ["number", "text", "mixed", "choice"].includes(shape(present(one).schema)));
+      const flat = Object.values(item.properties).every((one) =>
+        ["number", "text", "mixed", "choice"].includes(shape(present(one).schema)),
+      );
       return flat && Object.keys(item.properties).length <= 4 ? "table" : "list";
     }
     return kind === "union" ? "list" : "any";
@@ -71,7 +81,9 @@ export function reader(root) {
     let { schema } = present(given);
     if (schema.anyOf && value && typeof value === "object") {
       const key = tag(schema.anyOf);
-      schema = key ? (schema.anyOf.find((one) => resolve(one.properties[key]).const === value[key]) ?? {}) : (schema.anyOf.find((one) => (one.type === "array") === Array.isArray(value) && one.type !== "string") ?? {});
+      schema = key
+        ? (schema.anyOf.find((one) => resolve(one.properties[key]).const === value[key]) ?? {})
+        : (schema.anyOf.find((one) => (one.type === "array") === Array.isArray(value) && one.type !== "string") ?? {});
     }
     if (Array.isArray(value)) return schema.items ? value.map((one) => pruned(one, schema.items)) : value;
     if (!value || typeof value !== "object") return value;
@@ -80,7 +92,8 @@ export function reader(root) {
     for (const [key, one] of Object.entries(value)) {
       const known = schema.properties?.[key];
       const constant = known && "const" in resolve(known);
-      if (known && !required.has(key) && !constant && "default" in resolve(known) && same(one, resolve(known).default)) continue;
+      if (known && !required.has(key) && !constant && "default" in resolve(known) && same(one, resolve(known).default))
+        continue;
       const below = known ?? inner(schema);
       left[key] = below ? pruned(one, below) : one;
     }
@@ -93,11 +106,15 @@ export function reader(root) {
     if (schema.anyOf) return schema.anyOf.some((one) => fits(value, one));
     if ("const" in schema) return value === schema.const;
     if (schema.enum) return schema.enum.includes(value);
-    if (Array.isArray(value)) return schema.type === "array" && (!schema.items || value.every((one) => fits(one, schema.items)));
+    if (Array.isArray(value))
+      return schema.type === "array" && (!schema.items || value.every((one) => fits(one, schema.items)));
     if (typeof value !== "object") return !["array", "object"].includes(schema.type);
     if (schema.type === "array") return false;
     const known = schema.properties;
-    return !known || Object.entries(value).every(([key, one]) => (known[key] ? fits(one, known[key]) : Boolean(inner(schema))));
+    return (
+      !known ||
+      Object.entries(value).every(([key, one]) => (known[key] ? fits(one, known[key]) : Boolean(inner(schema))))
+    );
   }
   return { resolve, present, shape, tag, inner, pruned, fits };
 }

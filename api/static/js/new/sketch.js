@@ -6,9 +6,14 @@ const BESIDE = matchMedia("(min-width: 70rem)"); // as in new.css
 /** Draws into the first of two places on a wide page, beside the form, else into the second, in it. */
 export function sketchPanel(context, beside, inside) {
   const drawings = element("div", { class: "sketches" });
-  const panel = element("section", { id: "sketch", "aria-label": "Sketch of the forward model", hidden: true }, drawings);
+  const panel = element(
+    "section",
+    { id: "sketch", "aria-label": "Sketch of the forward model", hidden: true },
+    drawings,
+  );
   const settle = () => (BESIDE.matches ? beside : inside).append(panel);
-  let shown = null, kind = null;
+  let shown = null,
+    kind = null;
 
   BESIDE.addEventListener("change", settle);
   settle();
@@ -35,7 +40,11 @@ export function sketchPanel(context, beside, inside) {
 
 function drawn({ part, heading, words, svg }) {
   const made = document.importNode(new DOMParser().parseFromString(svg, "image/svg+xml").documentElement, true);
-  return element("figure", {},
-    element("h3", {}, part ? `${heading} (${part})` : heading), made,
-    element("figcaption", { "aria-hidden": "true" }, words)); // the picture has the same as its label
+  return element(
+    "figure",
+    {},
+    element("h3", {}, part ? `${heading} (${part})` : heading),
+    made,
+    element("figcaption", { "aria-hidden": "true" }, words),
+  ); // the picture has the same as its label
 }

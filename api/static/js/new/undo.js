@@ -16,7 +16,8 @@ export function undoBar(context) {
     place.replaceChildren(
       element("span", {}, words),
       element("button", { type: "button", id: "undo", onclick: back }, "Undo"),
-      element("button", { type: "button", class: "quiet", "aria-label": "Close this message", onclick: hide }, "×"));
+      element("button", { type: "button", class: "quiet", "aria-label": "Close this message", onclick: hide }, "×"),
+    );
     place.hidden = false;
   });
   return place;

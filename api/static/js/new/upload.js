@@ -15,14 +15,50 @@ const GROUPS = ["CONG", "ESCG", "TREG", "TRIG", "MOND"]; // sheets of a workbook
  */
 export function uploader(context, act) {
   const place = element("div", {});
-  const input = element("input", { type: "file", id: "file", class: "visually-hidden", accept: ".csv,.txt,.tsv,.xlsx,.ods,.ags", onchange: () => { if (input.files[0]) read(input.files[0]); input.value = ""; } });
-  const table = element("input", { type: "file", id: "tests-files", class: "visually-hidden", multiple: true, accept: ".csv,.txt,.tsv,.xlsx,.ods,.dat", onchange: () => { if (table.files.length) many([...table.files]); table.value = ""; } });
-  const zone = element("div", { class: "drop" },
+  const input = element("input", {
+    type: "file",
+    id: "file",
+    class: "visually-hidden",
+    accept: ".csv,.txt,.tsv,.xlsx,.ods,.ags",
+    onchange: () => {
+      if (input.files[0]) read(input.files[0]);
+      input.value = "";
+    },
+  });
+  const table = element("input", {
+    type: "file",
+    id: "tests-files",
+    class: "visually-hidden",
+    multiple: true,
+    accept: ".csv,.txt,.tsv,.xlsx,.ods,.dat",
+    onchange: () => {
+      if (table.files.length) many([...table.files]);
+      table.value = "";
+    },
+  });
+  const zone = element(
+    "div",
+    { class: "drop" },
     element("p", {}, "Drop a file of measurements (CSV, XLSX or ODS) or tests of a laboratory (AGS 4) here"),
-    input, element("label", { for: "file", class: "button quiet" }, "Choose a file"), " ",
-    table, element("label", { for: "tests-files", class: "button quiet" }, "Add tests from a table"),
-    element("p", { class: "help" }, "Headings such as ", element("code", {}, "settlement [mm]"), " or ", element("code", {}, "Zeit [min]"), " say what a column holds. An AGS file makes the whole problem. Many tests: choose a table with a row for each (file, kind, cell pressure, void ratio) and the files that it names, together. You see and confirm what is taken. Files go to this service only, and are not stored."));
-  zone.addEventListener("dragover", (event) => { event.preventDefault(); zone.classList.add("over"); });
+    input,
+    element("label", { for: "file", class: "button quiet" }, "Choose a file"),
+    " ",
+    table,
+    element("label", { for: "tests-files", class: "button quiet" }, "Add tests from a table"),
+    element(
+      "p",
+      { class: "help" },
+      "Headings such as ",
+      element("code", {}, "settlement [mm]"),
+      " or ",
+      element("code", {}, "Zeit [min]"),
+      " say what a column holds. An AGS file makes the whole problem. Many tests: choose a table with a row for each (file, kind, cell pressure, void ratio) and the files that it names, together. You see and confirm what is taken. Files go to this service only, and are not stored.",
+    ),
+  );
+  zone.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    zone.classList.add("over");
+  });
   zone.addEventListener("dragleave", () => zone.classList.remove("over"));
   zone.addEventListener("drop", (event) => {
     event.preventDefault();
@@ -33,8 +69,18 @@ export function uploader(context, act) {
   });
   let latest = 0; // which file was given last: answers about others come too late
 
-  const read = (file, sheet) => shown(file.name, async () => (await isAgs(file) ? tests(file) : columns(file, sheet)));
-  const many = (files) => shown(`${files.length} files`, () => testsTable(files, context, { replace: (problem, words) => { leave(); if (!act.replace(problem, words)) announce(words); }, cancel: leave }));
+  const read = (file, sheet) =>
+    shown(file.name, async () => ((await isAgs(file)) ? tests(file) : columns(file, sheet)));
+  const many = (files) =>
+    shown(`${files.length} files`, () =>
+      testsTable(files, context, {
+        replace: (problem, words) => {
+          leave();
+          if (!act.replace(problem, words)) announce(words);
+        },
+        cancel: leave,
+      }),
+    );
 
   async function shown(what, making) {
     const mine = ++latest;
@@ -51,7 +97,13 @@ export function uploader(context, act) {
 
   async function columns(file, sheet) {
     const content = new Blob([file]);
-    const answer = await (await request("POST", "/measurements", { query: { name: file.name, sheet }, body: content, headers: { "Content-Type": "application/octet-stream" } })).json();
+    const answer = await (
+      await request("POST", "/measurements", {
+        query: { name: file.name, sheet },
+        body: content,
+        headers: { "Content-Type": "application/octet-stream" },
+      })
+    ).json();
     if (!sheet && answer.sheets.some((name) => GROUPS.includes(name))) return tests(file);
     return mapping(answer, content, context, {
       sheet: (other) => read(file, other),
@@ -74,9 +126,17 @@ export function uploader(context, act) {
       replace: (problem, specimens, notes) => {
         const more = specimens.length - NAMED;
         const from = `${specimens.slice(0, NAMED).join(", ")}${more > 0 ? ` and ${more} more` : ""} of ${file.name}`;
-        if (!act.replace(problem, `${from} ${specimens.length === 1 ? "has" : "have"} replaced what was here.`)) announce(`The problem is made of ${from}.`);
-        place.replaceChildren(element("section", { class: "item made-of", "aria-label": "Made of an AGS file" },
-          element("p", {}, `Made of ${from}.`), assumed(notes), element("div", { class: "buttons" }, button("Close", leave))));
+        if (!act.replace(problem, `${from} ${specimens.length === 1 ? "has" : "have"} replaced what was here.`))
+          announce(`The problem is made of ${from}.`);
+        place.replaceChildren(
+          element(
+            "section",
+            { class: "item made-of", "aria-label": "Made of an AGS file" },
+            element("p", {}, `Made of ${from}.`),
+            assumed(notes),
+            element("div", { class: "buttons" }, button("Close", leave)),
+          ),
+        );
         input.focus();
       },
       readings: (name, csv) => read(new File([csv], name)),

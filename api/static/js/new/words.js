@@ -4,7 +4,11 @@ import { words } from "./schema.js";
 
 const TICKED = ["true", "leave_out"]; // what a box gives that is ticked
 // What to do about a file that only a problem file can name.
-const FILES = { readings: "drop the file under Measurements", tests: "“Add tests from a table” takes the table and its files", ags: "drop it under Measurements, alone" };
+const FILES = {
+  readings: "drop the file under Measurements",
+  tests: "“Add tests from a table” takes the table and its files",
+  ags: "drop it under Measurements, alone",
+};
 
 /** A key of the problem file as the label of its input. */
 export function labelOf(key) {
@@ -15,10 +19,15 @@ export function labelOf(key) {
 
 /** A path as labels: “Stages” 2, “Stress”. */
 export function placeOf(path) {
-  return path.split(".").map((step) => {
-    const [key, ...places] = step.split(/[[\], ]+/);
-    return [key && `“${labelOf(key)}”`, ...places.filter(Boolean).map((i) => Number(i) + 1)].filter(Boolean).join(" ");
-  }).join(", ");
+  return path
+    .split(".")
+    .map((step) => {
+      const [key, ...places] = step.split(/[[\], ]+/);
+      return [key && `“${labelOf(key)}”`, ...places.filter(Boolean).map((i) => Number(i) + 1)]
+        .filter(Boolean)
+        .join(" ");
+    })
+    .join(", ");
 }
 
 /** The words of a key. `label(path)`: of a field that is not one of the draft. */
@@ -33,7 +42,8 @@ function named({ path, value }, label) {
 }
 
 /** A sentence of parts, each text or a key. */
-export const worded = (parts, label) => parts.map((part) => (typeof part === "string" ? part : named(part, label))).join("");
+export const worded = (parts, label) =>
+  parts.map((part) => (typeof part === "string" ? part : named(part, label))).join("");
 
 /** The message of an issue. */
 export const messageOf = (issue, label) => (issue.parts?.length ? worded(issue.parts, label) : issue.message);

@@ -5,52 +5,97 @@ import { messageOf, worded } from "./words.js";
 
 export function yamlPanel(context, place, strict) {
   const { draft } = context;
-  const area = element("textarea", { id: "yaml", spellcheck: "false", autocomplete: "off", wrap: "off", rows: "24", "aria-describedby": "yaml-help" });
-  const issues = element("div", { id: "issues", role: "region", "aria-label": "What is missing or wrong", "aria-live": "polite" });
+  const area = element("textarea", {
+    id: "yaml",
+    spellcheck: "false",
+    autocomplete: "off",
+    wrap: "off",
+    rows: "24",
+    "aria-describedby": "yaml-help",
+  });
+  const issues = element("div", {
+    id: "issues",
+    role: "region",
+    "aria-label": "What is missing or wrong",
+    "aria-live": "polite",
+  });
   const verdict = element("p", { id: "verdict", role: "status" });
   const warnings = element("ul", { class: "notes", "aria-label": "Warnings" });
-  const start = element("button", { type: "button", id: "start-now", hidden: true, onclick: () => document.getElementById("start").click() }, "Start now");
+  const start = element(
+    "button",
+    { type: "button", id: "start-now", hidden: true, onclick: () => document.getElementById("start").click() },
+    "Start now",
+  );
   const note = element("p", { class: "error", role: "alert" });
   let typing = false; // the text is the user's until the form changes something
 
-  const fold = element("details", { id: "yaml-fold", open: kept() !== "folded", ontoggle: () => keep(fold.open ? "" : "folded") },
+  const fold = element(
+    "details",
+    { id: "yaml-fold", open: kept() !== "folded", ontoggle: () => keep(fold.open ? "" : "folded") },
     element("summary", { class: "title" }, "YAML"),
     element("label", { for: "yaml", class: "help" }, "The problem as YAML"),
-    element("p", { class: "help", id: "yaml-help" }, "The same problem as text; edit either one. ", element("code", {}, "geoswarm submit"), " takes the same file."),
+    element(
+      "p",
+      { class: "help", id: "yaml-help" },
+      "The same problem as text; edit either one. ",
+      element("code", {}, "geoswarm submit"),
+      " takes the same file.",
+    ),
     area,
-    element("div", { class: "buttons" },
+    element(
+      "div",
+      { class: "buttons" },
       element("button", { type: "button", class: "quiet", onclick: () => download() }, "Download"),
-      element("button", { type: "button", class: "quiet", onclick: () => copy() }, "Copy")));
+      element("button", { type: "button", class: "quiet", onclick: () => copy() }, "Copy"),
+    ),
+  );
 
   area.addEventListener("input", () => {
     typing = true;
     draft.edit(area.value);
   });
-  draft.on("change", () => { if (document.activeElement !== area) typing = false; });
+  draft.on("change", () => {
+    if (document.activeElement !== area) typing = false;
+  });
   draft.on("answer", (answer) => {
     note.textContent = "";
     area.disabled = answer.yaml === null;
-    if (answer.yaml === null) note.textContent = "The problem has too many readings to be edited as text here; use the form.";
+    if (answer.yaml === null)
+      note.textContent = "The problem has too many readings to be edited as text here; use the form.";
     if (answer.yaml !== null && !typing && area.value !== answer.yaml) area.value = answer.yaml;
     showIssues(answer);
   });
-  draft.on("failure", (error) => { note.textContent = error.message; });
+  draft.on("failure", (error) => {
+    note.textContent = error.message;
+  });
 
   function showIssues(answer) {
-    const todo = answer.issues.filter(isTodo), wrong = answer.issues.filter((one) => !isTodo(one));
+    const todo = answer.issues.filter(isTodo),
+      wrong = answer.issues.filter((one) => !isTodo(one));
     const told = answer.valid ? answer.warning_parts : [];
-    exchange(warnings, told.map((parts) => element("li", {}, worded(parts))));
+    exchange(
+      warnings,
+      told.map((parts) => element("li", {}, worded(parts))),
+    );
     start.hidden = !answer.valid;
     verdict.textContent = answer.valid
-      ? told.length ? `Complete, with ${told.length === 1 ? "one warning" : `${told.length} warnings`}: ready to start.` : "Complete and valid: ready to start."
-      : [wrong.length ? `${wrong.length} to fix` : "", todo.length ? `${todo.length} still missing` : ""].filter(Boolean).join(", ");
+      ? told.length
+        ? `Complete, with ${told.length === 1 ? "one warning" : `${told.length} warnings`}: ready to start.`
+        : "Complete and valid: ready to start."
+      : [wrong.length ? `${wrong.length} to fix` : "", todo.length ? `${todo.length} still missing` : ""]
+          .filter(Boolean)
+          .join(", ");
     verdict.className = told.length ? "warned" : answer.valid ? "good" : wrong.length || strict() ? "error" : "help";
     issues.replaceChildren(answer.issues.length ? element("ul", {}, [...wrong, ...todo].map(item)) : "");
   }
 
   function item(issue) {
     const words = `${issue.path || "problem"}: ${messageOf(issue)}`;
-    const jump = element("button", { type: "button", class: "link", onclick: () => go(issue) }, issue.line ? `line ${issue.line}` : "show");
+    const jump = element(
+      "button",
+      { type: "button", class: "link", onclick: () => go(issue) },
+      issue.line ? `line ${issue.line}` : "show",
+    );
     return element("li", { class: isTodo(issue) ? "todo" : "wrong" }, words, " ", jump);
   }
 
@@ -74,7 +119,10 @@ export function yamlPanel(context, place, strict) {
 
   function download() {
     const name = String(draft.read(["name"]) ?? "problem").replace(/[^\w.-]+/g, "-") || "problem";
-    const [text, ending, type] = draft.answer?.yaml === null ? [JSON.stringify(draft.document, null, 1), "json", "application/json"] : [area.value, "yaml", "application/yaml"];
+    const [text, ending, type] =
+      draft.answer?.yaml === null
+        ? [JSON.stringify(draft.document, null, 1), "json", "application/json"]
+        : [area.value, "yaml", "application/yaml"];
     const address = URL.createObjectURL(new Blob([text], { type }));
     const link = element("a", { href: address, download: `${name}.${ending}` });
     document.body.append(link);
@@ -93,8 +141,7 @@ export function yamlPanel(context, place, strict) {
     }
   }
 
-  place.replaceChildren(
-    element("div", { class: "buttons" }, verdict, start), warnings, issues, note, fold);
+  place.replaceChildren(element("div", { class: "buttons" }, verdict, start), warnings, issues, note, fold);
 }
 
 /** Whether the reader has folded it, in this browser. */

@@ -17,7 +17,9 @@ export class Cloud {
     this.count = points.count;
     this.parameters = points.parameters;
     this.size = points.parameters.length;
-    this.unit = points.parameters.map((parameter, i) => Float32Array.from(points.values[i], (value) => place(parameter, value)));
+    this.unit = points.parameters.map((parameter, i) =>
+      Float32Array.from(points.values[i], (value) => place(parameter, value)),
+    );
     this.ownWeights = Object.fromEntries(points.series.map(({ name, weight }) => [name, weight]));
     this.ranges = new Map();
     this.reweight(this.ownWeights);
@@ -46,7 +48,9 @@ export class Cloud {
     });
   }
 
-  get best() { return this.order[0]; }
+  get best() {
+    return this.order[0];
+  }
 
   /** Objective of the evaluation that has a share of all at or below it. */
   quantile(share) {
@@ -56,7 +60,8 @@ export class Cloud {
   /** How many evaluations are good fits, at or below a threshold. */
   kept(threshold) {
     const limit = Math.fround(threshold); // objectives are rounded in the same way: the one that sets it is kept
-    let low = 0, high = this.count;
+    let low = 0,
+      high = this.count;
     while (low < high) {
       const middle = (low + high) >> 1;
       if (this.objective[this.order[middle]] <= limit) low = middle + 1;
@@ -89,22 +94,37 @@ export class Cloud {
     const [x, y] = [this.values(first), this.values(second)];
     const count = chosen.length;
     if (count < 3) return null;
-    let mx = 0, my = 0;
-    for (const n of chosen) { mx += x[n]; my += y[n]; }
-    mx /= count; my /= count;
-    let xx = 0, yy = 0, xy = 0;
+    let mx = 0,
+      my = 0;
     for (const n of chosen) {
-      const a = x[n] - mx, b = y[n] - my;
-      xx += a * a; yy += b * b; xy += a * b;
+      mx += x[n];
+      my += y[n];
+    }
+    mx /= count;
+    my /= count;
+    let xx = 0,
+      yy = 0,
+      xy = 0;
+    for (const n of chosen) {
+      const a = x[n] - mx,
+        b = y[n] - my;
+      xx += a * a;
+      yy += b * b;
+      xy += a * b;
     }
     return xx > 0 && yy > 0 ? Math.max(-1, Math.min(1, xy / Math.sqrt(xx * yy))) : null;
   }
 
-  values(index) { return this.points.values[index]; }
+  values(index) {
+    return this.points.values[index];
+  }
 
   /** Share of each series in the objective of an evaluation. */
   shares(n) {
-    const parts = Object.entries(this.points.misfits).map(([series, misfits]) => [series, this.weights[series] * misfits[n]]);
+    const parts = Object.entries(this.points.misfits).map(([series, misfits]) => [
+      series,
+      this.weights[series] * misfits[n],
+    ]);
     const total = parts.reduce((sum, [, part]) => sum + part, 0);
     return Object.fromEntries(parts.map(([series, part]) => [series, total > 0 ? part / total : NaN]));
   }

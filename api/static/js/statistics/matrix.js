@@ -6,8 +6,13 @@ import { colour } from "../plot.js";
 import { place } from "./cloud.js";
 import { COLOURS, tickText, ticks } from "../scales.js";
 
-const LEFT = 70, TOP = 10, BOTTOM = 54, RIGHT = 14, GAP = 8;
-const SMALLEST = 86, LARGEST = 190;
+const LEFT = 70,
+  TOP = 10,
+  BOTTOM = 54,
+  RIGHT = 14,
+  GAP = 8;
+const SMALLEST = 86,
+  LARGEST = 190;
 const CLICK = 5;
 
 export class Matrix {
@@ -18,7 +23,11 @@ export class Matrix {
     this.front = element("canvas", { "aria-hidden": true });
     this.marks = svg("svg", { role: "img", class: "marks" });
     this.stage = element("div", { class: "stage" }, this.back, this.front, this.marks);
-    this.frame = element("div", { class: "wide matrix", tabindex: "0", role: "region", "aria-label": "Matrix plot" }, this.stage);
+    this.frame = element(
+      "div",
+      { class: "wide matrix", tabindex: "0", role: "region", "aria-label": "Matrix plot" },
+      this.stage,
+    );
     holder.replaceChildren(this.frame);
     this.marks.addEventListener("pointerdown", (event) => this.begin(event));
     new ResizeObserver(() => this.resized()).observe(this.frame);
@@ -61,11 +70,20 @@ export class Matrix {
   /** Redraw everything: other data, size or colours. */
   paint() {
     const { cloud } = this;
-    this.colours = { faint: colour("--muted"), best: colour("--series-2"), line: colour("--series-2"), grid: colour("--line") };
-    const low = cloud.quantile(0), high = cloud.quantile(0.98);
+    this.colours = {
+      faint: colour("--muted"),
+      best: colour("--series-2"),
+      line: colour("--series-2"),
+      grid: colour("--line"),
+    };
+    const low = cloud.quantile(0),
+      high = cloud.quantile(0.98);
     this.logarithmic = low > 0 && high / low > 3;
     this.span = this.logarithmic ? [low / 1.4, high] : [Math.min(0, low), high > low ? high : low + 1];
-    this.points(this.back, cloud.order, () => this.colours.faint, { size: cloud.count < 5000 ? 1.6 : 1, alpha: cloud.count < 5000 ? 0.4 : 0.25 });
+    this.points(this.back, cloud.order, () => this.colours.faint, {
+      size: cloud.count < 5000 ? 1.6 : 1,
+      alpha: cloud.count < 5000 ? 0.4 : 0.25,
+    });
     return this.update(this.threshold);
   }
 
@@ -100,7 +118,8 @@ export class Matrix {
     for (let row = 0; row < cloud.size; row += 1) {
       for (let column = 0; column <= row; column += 1) {
         const [left, top] = this.corner(row, column);
-        const x = cloud.unit[column], y = row === column ? null : cloud.unit[row];
+        const x = cloud.unit[column],
+          y = row === column ? null : cloud.unit[row];
         let last = null;
         for (let k = 0; k < sequence.length; k += 1) {
           const n = sequence[k];
@@ -138,7 +157,10 @@ export class Matrix {
       }
     }
     this.marks.replaceChildren(...parts, ...this.axes());
-    this.marks.setAttribute("aria-label", `Matrix plot of ${cloud.size} parameters: ${chosen.length} of ${cloud.count} evaluations are chosen; correlations and verdicts are listed as text as well.`);
+    this.marks.setAttribute(
+      "aria-label",
+      `Matrix plot of ${cloud.size} parameters: ${chosen.length} of ${cloud.count} evaluations are chosen; correlations and verdicts are listed as text as well.`,
+    );
   }
 
   correlation(row, column, chosen, x, y) {
@@ -147,8 +169,19 @@ export class Matrix {
     const strong = r !== null && Math.abs(r) >= 0.5;
     const middle = x + cell / 2;
     return [
-      svg("rect", { class: "strength", x, y, width: cell, height: cell, style: { opacity: r === null ? 0 : 0.45 * r * r } }),
-      svg("text", { x: middle, y: y + cell / 2, class: strong ? "r strong" : "r", "text-anchor": "middle" }, r === null ? "r = ?" : `r = ${coefficient(r).replace("-", "−")}`),
+      svg("rect", {
+        class: "strength",
+        x,
+        y,
+        width: cell,
+        height: cell,
+        style: { opacity: r === null ? 0 : 0.45 * r * r },
+      }),
+      svg(
+        "text",
+        { x: middle, y: y + cell / 2, class: strong ? "r strong" : "r", "text-anchor": "middle" },
+        r === null ? "r = ?" : `r = ${coefficient(r).replace("-", "−")}`,
+      ),
       svg("text", { x: middle, y: y + cell / 2 + 16, "text-anchor": "middle" }, `n = ${chosen.length}`),
     ];
   }
@@ -166,7 +199,10 @@ export class Matrix {
       path += `${joined ? "L" : "M"}${x + bin * wide} ${top}h${wide}`;
     });
     const limit = this.level(this.threshold);
-    const line = limit >= 0 && limit <= 1 ? [svg("line", { class: "limit", x1: x, x2: x + cell, y1: y + (1 - limit) * cell, y2: y + (1 - limit) * cell })] : [];
+    const line =
+      limit >= 0 && limit <= 1
+        ? [svg("line", { class: "limit", x1: x, x2: x + cell, y1: y + (1 - limit) * cell, y2: y + (1 - limit) * cell })]
+        : [];
     return [svg("path", { class: "envelope", d: path }), ...line];
   }
 
@@ -178,37 +214,60 @@ export class Matrix {
 
   brushed(row, column, x, y) {
     const { cell } = this;
-    const across = this.cloud.ranges.get(column), up = row === column ? undefined : this.cloud.ranges.get(row);
+    const across = this.cloud.ranges.get(column),
+      up = row === column ? undefined : this.cloud.ranges.get(row);
     if (!across && !up) return [];
-    const [left, right] = across ?? [0, 1], [low, high] = up ?? [0, 1];
-    return [svg("rect", { class: "brush", x: x + left * cell, y: y + (1 - high) * cell, width: (right - left) * cell, height: (high - low) * cell })];
+    const [left, right] = across ?? [0, 1],
+      [low, high] = up ?? [0, 1];
+    return [
+      svg("rect", {
+        class: "brush",
+        x: x + left * cell,
+        y: y + (1 - high) * cell,
+        width: (right - left) * cell,
+        height: (high - low) * cell,
+      }),
+    ];
   }
 
   axes() {
     const { cloud, cell } = this;
-    const last = cloud.size - 1, parts = [];
+    const last = cloud.size - 1,
+      parts = [];
     const most = cell > 130 ? 4 : 2;
     const label = ({ symbol, unit }) => withUnit(symbol, unit);
     const edge = (share) => (share < 0.15 ? "start" : share > 0.85 ? "end" : "middle");
     cloud.parameters.forEach((parameter, index) => {
-      const [x] = this.corner(last, index), [, y] = this.corner(index, 0);
+      const [x] = this.corner(last, index),
+        [, y] = this.corner(index, 0);
       const bottom = this.corner(last, 0)[1] + cell;
       for (const value of ticks(parameter.lower, parameter.upper, parameter.scale, most)) {
         const share = place(parameter, value);
         const at = x + share * cell;
-        parts.push(svg("path", { class: "tick", d: `M${at} ${bottom}v4` }), svg("text", { x: at, y: bottom + 16, "text-anchor": edge(share) }, tickText(value)));
+        parts.push(
+          svg("path", { class: "tick", d: `M${at} ${bottom}v4` }),
+          svg("text", { x: at, y: bottom + 16, "text-anchor": edge(share) }, tickText(value)),
+        );
         if (index > 0) {
           const height = y + (1 - share) * cell;
           const down = share > 0.9 ? 9 : share < 0.1 ? 0 : 4;
-          parts.push(svg("path", { class: "tick", d: `M${LEFT} ${height}h-4` }), svg("text", { x: LEFT - 7, y: height + down, "text-anchor": "end" }, tickText(value)));
+          parts.push(
+            svg("path", { class: "tick", d: `M${LEFT} ${height}h-4` }),
+            svg("text", { x: LEFT - 7, y: height + down, "text-anchor": "end" }, tickText(value)),
+          );
         }
       }
-      parts.push(svg("text", { class: "label", x: x + cell / 2, y: bottom + 36, "text-anchor": "middle" }, label(parameter)));
+      parts.push(
+        svg("text", { class: "label", x: x + cell / 2, y: bottom + 36, "text-anchor": "middle" }, label(parameter)),
+      );
       if (index > 0) parts.push(sideways(label(parameter), y + cell / 2));
     });
     for (const f of ticks(...this.span, this.logarithmic ? "log" : "linear", most)) {
       const height = TOP + (1 - this.level(f)) * cell;
-      parts.push(svg("path", { class: "tick", d: `M${LEFT} ${height}h-4` }), svg("text", { x: LEFT - 7, y: height + 4, "text-anchor": "end" }, tickText(f)));
+      parts.push(
+        svg("path", { class: "tick", d: `M${LEFT} ${height}h-4` }),
+        svg("text", { x: LEFT - 7, y: height + 4, "text-anchor": "end" }, tickText(f)),
+      );
     }
     parts.push(sideways(this.objectiveUnit ? `f [${this.objectiveUnit}]` : "f", TOP + cell / 2));
     return parts;
@@ -236,12 +295,18 @@ export class Matrix {
       if (Math.hypot(x - x0, y - y0) < CLICK) return false;
       const across = [inside(x0, column), inside(x, column)].sort((a, b) => a - b);
       this.cloud.limit(column, across);
-      if (row !== column) this.cloud.limit(row, [1 - inside(y0, row), 1 - inside(y, row)].sort((a, b) => a - b));
+      if (row !== column)
+        this.cloud.limit(
+          row,
+          [1 - inside(y0, row), 1 - inside(y, row)].sort((a, b) => a - b),
+        );
       this.onRanges();
       return true;
     };
     let dragged = false;
-    const move = (moved) => { dragged = drag(moved) || dragged; };
+    const move = (moved) => {
+      dragged = drag(moved) || dragged;
+    };
     const end = () => {
       this.marks.removeEventListener("pointermove", move);
       this.marks.removeEventListener("pointerup", end);

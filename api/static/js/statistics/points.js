@@ -8,7 +8,11 @@ const MEDIA_TYPE = "application/vnd.geoswarm.points";
  * values[i] of parameter i, misfits[series], responses[series] = {width, values} (with `responses`).
  */
 export async function fetchPoints(job, { responses = false, signal } = {}) {
-  const answer = await request("GET", `/jobs/${job}/points`, { query: responses ? { responses } : {}, headers: { Accept: MEDIA_TYPE }, signal });
+  const answer = await request("GET", `/jobs/${job}/points`, {
+    query: responses ? { responses } : {},
+    headers: { Accept: MEDIA_TYPE },
+    signal,
+  });
   return decoded(await answer.arrayBuffer());
 }
 

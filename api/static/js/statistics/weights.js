@@ -4,7 +4,12 @@ import { number, percent, symbol } from "../format.js";
 import { post } from "../http.js";
 
 const DECADES = 2;
-const SCHEMES = [["by_error", "By error"], ["by_count", "By count"], ["by_range", "By range"], ["by_test", "By test"]];
+const SCHEMES = [
+  ["by_error", "By error"],
+  ["by_count", "By count"],
+  ["by_range", "By range"],
+  ["by_test", "By test"],
+];
 
 export class Weights {
   /** `onWeights(weights)` while a slider moves. */
@@ -15,18 +20,37 @@ export class Weights {
     this.warnings = element("ul", { class: "notes" });
     this.moved = element("p");
     if (cloud.points.series.length < 2) {
-      holder.replaceChildren(element("p", { class: "help" }, "There is one series only: its weight does not move the optimum."));
+      holder.replaceChildren(
+        element("p", { class: "help" }, "There is one series only: its weight does not move the optimum."),
+      );
       return;
     }
     this.rows = new Map(cloud.points.series.map(({ name }) => [name, this.row(name)]));
-    const schemes = SCHEMES.map(([scheme, words]) => element("button", { type: "button", class: "quiet small", onclick: () => this.scheme(scheme) }, words));
-    this.run = element("button", { type: "button", class: "small", hidden: true, onclick: () => once(this.run, () => this.submit()) }, "New job with these weights");
-    this.reset = element("button", { type: "button", class: "quiet small", hidden: true, onclick: () => this.set(this.own) }, "Weights of the job");
+    const schemes = SCHEMES.map(([scheme, words]) =>
+      element("button", { type: "button", class: "quiet small", onclick: () => this.scheme(scheme) }, words),
+    );
+    this.run = element(
+      "button",
+      { type: "button", class: "small", hidden: true, onclick: () => once(this.run, () => this.submit()) },
+      "New job with these weights",
+    );
+    this.reset = element(
+      "button",
+      { type: "button", class: "quiet small", hidden: true, onclick: () => this.set(this.own) },
+      "Weights of the job",
+    );
     holder.replaceChildren(
-      element("p", { class: "help" }, "From the stored responses, without a run. The share is that of the series in the objective of the best fit."),
+      element(
+        "p",
+        { class: "help" },
+        "From the stored responses, without a run. The share is that of the series in the objective of the best fit.",
+      ),
       ...[...this.rows.values()].map(({ line }) => line),
       element("p", { class: "buttons" }, schemes, this.reset, maySubmit ? this.run : null),
-      this.moved, this.warnings, this.message);
+      this.moved,
+      this.warnings,
+      this.message,
+    );
     this.show();
   }
 
@@ -36,9 +60,22 @@ export class Weights {
     const exact = element("input", { type: "number", min: 0, step: "any", "aria-label": `Weight of ${name}` });
     const share = element("output", { class: "n", for: id });
     const base = this.own[name] || 1;
-    slider.addEventListener("input", () => this.set({ ...this.cloud.weights, [name]: Number(slider.value) === 0 ? this.own[name] : base * 10 ** Number(slider.value) }));
-    exact.addEventListener("change", () => { if (Number(exact.value) >= 0) this.set({ ...this.cloud.weights, [name]: Number(exact.value) }); });
-    return { slider, exact, share, base, line: element("div", { class: "weight" }, element("label", { for: id }, name), slider, exact, share) };
+    slider.addEventListener("input", () =>
+      this.set({
+        ...this.cloud.weights,
+        [name]: Number(slider.value) === 0 ? this.own[name] : base * 10 ** Number(slider.value),
+      }),
+    );
+    exact.addEventListener("change", () => {
+      if (Number(exact.value) >= 0) this.set({ ...this.cloud.weights, [name]: Number(exact.value) });
+    });
+    return {
+      slider,
+      exact,
+      share,
+      base,
+      line: element("div", { class: "weight" }, element("label", { for: id }, name), slider, exact, share),
+    };
   }
 
   /** Show a later state of the job. */

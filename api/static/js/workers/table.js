@@ -6,9 +6,24 @@ const HEAD = ["Worker", "State", "Runs", "For", "Started", "Last seen"];
 
 export function workersTable(workers, version) {
   if (!workers.length) return empty("No worker seen recently: jobs wait until one is started (geoswarm worker).");
-  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": "Workers" }, element("table", { class: "workers" },
-    element("thead", {}, element("tr", {}, HEAD.map((text) => element("th", { scope: "col" }, text)))),
-    groups(workers).map((group) => body(group, version))));
+  return element(
+    "div",
+    { class: "wide", tabindex: "0", role: "region", "aria-label": "Workers" },
+    element(
+      "table",
+      { class: "workers" },
+      element(
+        "thead",
+        {},
+        element(
+          "tr",
+          {},
+          HEAD.map((text) => element("th", { scope: "col" }, text)),
+        ),
+      ),
+      groups(workers).map((group) => body(group, version)),
+    ),
+  );
 }
 
 /** Processes one by one, the slots of each agent together, in the order in which they come. */
@@ -26,21 +41,36 @@ function body(workers, version) {
   const [{ agent, host, pid, engine, id }] = workers;
   if (!agent) return element("tbody", {}, row(workers[0], [`${host}, process ${pid}`, line(`${engine}, ${id}`)]));
   const about = agentLines(agent, version);
-  if (agent.slots === 1) return element("tbody", {}, workers.map((worker) => row(worker, [host, ...about])));
-  return element("tbody", {},
-    element("tr", { class: "agent" }, element("th", { scope: "rowgroup", colspan: String(HEAD.length) }, `${host}, ${agent.slots} slots`, ...about)),
-    workers.map((worker) => row(worker, [`slot ${Number(worker.id.split("/").pop()) + 1}`])));
+  if (agent.slots === 1)
+    return element(
+      "tbody",
+      {},
+      workers.map((worker) => row(worker, [host, ...about])),
+    );
+  return element(
+    "tbody",
+    {},
+    element(
+      "tr",
+      { class: "agent" },
+      element("th", { scope: "rowgroup", colspan: String(HEAD.length) }, `${host}, ${agent.slots} slots`, ...about),
+    ),
+    workers.map((worker) => row(worker, [`slot ${Number(worker.id.split("/").pop()) + 1}`])),
+  );
 }
 
 function row(worker, name) {
   const busy = worker.busy_since ? duration((Date.now() - new Date(worker.busy_since)) / 1000) : "–";
-  return element("tr", {},
+  return element(
+    "tr",
+    {},
     element("th", { scope: "row" }, ...name),
     element("td", { class: "is" }, element("span", { class: `state ${worker.state}` }, worker.state)),
     element("td", { class: worker.state === "busy" ? "runs" : "runs nothing" }, ...work(worker)),
     element("td", { class: "for" }, busy),
     element("td", { class: "started" }, when(worker.started_at)),
-    element("td", { class: "seen" }, when(worker.seen_at)));
+    element("td", { class: "seen" }, when(worker.seen_at)),
+  );
 }
 
 const when = (time) => element("time", { datetime: time, title: moment(time) }, age(time));
@@ -52,13 +82,28 @@ function agentLines(agent, version) {
   const other = version && agent.version !== version;
   return [
     line(`agent ${agent.id}`),
-    line(`${agent.system}, geoswarm ${agent.version}`, ...(other ? [" ", element("span", { class: "other" }, `(the service has ${version}: no built-in models)`)] : [])),
-    ...(models.length ? [line("models ", models.flatMap(([name, hash], index) => [index ? ", " : "", element("span", { title: `version ${hash}` }, `${name} (${hash.slice(0, 8)})`)]))] : []),
+    line(
+      `${agent.system}, geoswarm ${agent.version}`,
+      ...(other ? [" ", element("span", { class: "other" }, `(the service has ${version}: no built-in models)`)] : []),
+    ),
+    ...(models.length
+      ? [
+          line(
+            "models ",
+            models.flatMap(([name, hash], index) => [
+              index ? ", " : "",
+              element("span", { title: `version ${hash}` }, `${name} (${hash.slice(0, 8)})`),
+            ]),
+          ),
+        ]
+      : []),
   ];
 }
 
 function work({ state, job, generation, evaluations }) {
   if (state !== "busy") return ["–"];
   const many = `${count(evaluations)} evaluation${evaluations === 1 ? "" : "s"}`;
-  return job ? [element("a", { href: `/jobs/${job}` }, `Job ${job}`), line(`generation ${generation}, ${many}`)] : [`a job of somebody else, ${many}`];
+  return job
+    ? [element("a", { href: `/jobs/${job}` }, `Job ${job}`), line(`generation ${generation}, ${many}`)]
+    : [`a job of somebody else, ${many}`];
 }

@@ -289,15 +289,15 @@ def hold_slots(folder: Path, seconds: float) -> subprocess.Popen[bytes]:
 @pytest.mark.parametrize("workers", [1, 2])
 def test_waiting_for_a_slot_is_no_time_of_a_run(workers: int, tmp_path: Path) -> None:
     """The slot is held for longer than a run may take; the measured time is that of the run alone."""
-    limits = {"seconds_per_evaluation": 6.0}
+    limits = {"seconds_per_evaluation": 3.0}
     search = {"method": {"kind": "monte_carlo", "samples": 2, "batch": 2}, "stopping": {}}
     document = problem(tmp_path, slots=1, pool="P").document() | {"limits": limits} | search
-    with hold_slots(private_folder("slots", "pool-P"), 8.0) as holder:
+    with hold_slots(private_folder("slots", "pool-P"), 4.0) as holder:
         result = calibrate(parse_problem(document, programs=True), workers=workers)
         assert holder.wait() == 0
     found = [record.evaluation for record in result.history]
     assert [one.reason for one in found] == [None, None], [one.message for one in found]
-    assert all(0.0 < one.seconds < 8.0 for one in found)  # one that takes longer than 6 s is killed
+    assert all(0.0 < one.seconds < 4.0 for one in found)  # one that takes longer than 3 s is killed
 
 
 @pytest.mark.slow

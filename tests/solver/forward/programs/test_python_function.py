@@ -274,6 +274,7 @@ def test_unknown_and_missing_parameters_are_told_with_the_arguments(tmp_path: Pa
     with pytest.raises(ProblemError, match=r"parameters.a: unknown parameter .* known: E, nu") as caught:
         loaded(tmp_path, "def f(E, nu=0.3): ...")
     assert "parameters.E: is missing (Argument of f); give bounds" in str(caught.value)
+    assert "parameters: if f needs the observed points, name their argument x" in str(caught.value)
 
 
 def test_open_functions_get_every_parameter(tmp_path: Path) -> None:

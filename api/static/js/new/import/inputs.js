@@ -8,8 +8,20 @@ export const NO_READING = "Numbers that stand for no reading";
 
 const BOXES = { incomplete_rows: LEAVE_OUT, no_reading: NO_READING, x_from: `${BEFORE} stage` };
 const FIELDS = {
-  sheet: "map-sheet", x_column: "map-x", y_column: "map-y", x_unit: "map-x-unit", y_unit: "map-y-unit", x_dates: "map-dates", x_time_column: "map-x_time_column",
-  x_origin: "map-origin", y_minus: "map-y_minus", decimal_sign: "map-sign", x_factor: "map-x-factor", y_factor: "map-y-factor", load_unit: "map-load-unit", load_column: "map-load_column",
+  sheet: "map-sheet",
+  x_column: "map-x",
+  y_column: "map-y",
+  x_unit: "map-x-unit",
+  y_unit: "map-y-unit",
+  x_dates: "map-dates",
+  x_time_column: "map-x_time_column",
+  x_origin: "map-origin",
+  y_minus: "map-y_minus",
+  decimal_sign: "map-sign",
+  x_factor: "map-x-factor",
+  y_factor: "map-y-factor",
+  load_unit: "map-load-unit",
+  load_column: "map-load_column",
 };
 
 /** What the field for a key of the observation is called here; nothing for one that the import does not ask for. */
@@ -19,19 +31,55 @@ export const labelHere = (key) => BOXES[key] ?? document.getElementById(FIELDS[k
 export function choice(id, label, options, value, act, { help = null, asked = false, wide = false } = {}) {
   const known = options.some(([one]) => one === value);
   const all = known ? options : [[value, "choose …"], ...options];
-  const made = element("select", { id, "aria-describedby": help ? `${id}-help` : null, onchange: () => act(all[Number(made.value)][0]) },
-    all.map(([one, name, disabled], i) => element("option", { value: String(i), selected: one === value, disabled }, name)));
-  return element("div", { class: `field ${asked && !known ? "asked" : ""} ${wide ? "wide-field" : ""}` }, element("label", { for: id }, label), made, help ? element("p", { class: "help", id: `${id}-help` }, help) : null);
+  const made = element(
+    "select",
+    { id, "aria-describedby": help ? `${id}-help` : null, onchange: () => act(all[Number(made.value)][0]) },
+    all.map(([one, name, disabled], i) =>
+      element("option", { value: String(i), selected: one === value, disabled }, name),
+    ),
+  );
+  return element(
+    "div",
+    { class: `field ${asked && !known ? "asked" : ""} ${wide ? "wide-field" : ""}` },
+    element("label", { for: id }, label),
+    made,
+    help ? element("p", { class: "help", id: `${id}-help` }, help) : null,
+  );
 }
 
-export function words(id, label, value, act, { help = null, placeholder = null, list = null, wrong = null, asked = false } = {}) {
+export function words(
+  id,
+  label,
+  value,
+  act,
+  { help = null, placeholder = null, list = null, wrong = null, asked = false } = {},
+) {
   const input = element("input", {
-    type: "text", id, value, placeholder, list: list ? `${id}-list` : null, spellcheck: "false", autocomplete: "off",
-    "aria-describedby": help || wrong ? `${id}-help` : null, "aria-invalid": wrong ? "true" : null, oninput: () => act(input.value.trim()),
+    type: "text",
+    id,
+    value,
+    placeholder,
+    list: list ? `${id}-list` : null,
+    spellcheck: "false",
+    autocomplete: "off",
+    "aria-describedby": help || wrong ? `${id}-help` : null,
+    "aria-invalid": wrong ? "true" : null,
+    oninput: () => act(input.value.trim()),
   });
-  return element("div", { class: `field ${asked ? "asked" : ""}` }, element("label", { for: id }, label), input,
-    list ? element("datalist", { id: `${id}-list` }, list.map((one) => element("option", { value: one }))) : null,
-    help || wrong ? element("p", { class: wrong ? "error" : "help", id: `${id}-help` }, wrong ?? help) : null);
+  return element(
+    "div",
+    { class: `field ${asked ? "asked" : ""}` },
+    element("label", { for: id }, label),
+    input,
+    list
+      ? element(
+          "datalist",
+          { id: `${id}-list` },
+          list.map((one) => element("option", { value: one })),
+        )
+      : null,
+    help || wrong ? element("p", { class: wrong ? "error" : "help", id: `${id}-help` }, wrong ?? help) : null,
+  );
 }
 
 export function flag(id, label, on, act) {
@@ -44,8 +92,42 @@ export function firstRows(file, roles) {
   const shown = Math.max(0, ...file.columns.map((column) => column.first.length));
   const role = (i) => (roles[i] ? element("span", { class: "role" }, roles[i]) : null);
   const number = (column) => (column.kind === "number" ? "n" : "");
-  return element("div", { class: "wide first-rows", tabindex: "0", role: "region", "aria-label": "First rows of the file" }, element("table", {},
-    element("caption", {}, file.rows > shown ? `First rows of ${count(file.rows)}` : `${count(file.rows)} rows`),
-    element("thead", {}, element("tr", {}, file.columns.map((column, i) => element("th", { scope: "col", class: `${number(column)} ${roles[i] ? "taken" : ""}` }, column.name, role(i))))),
-    element("tbody", {}, Array.from({ length: shown }, (_, row) => element("tr", {}, file.columns.map((column, i) => element("td", { class: `${number(column)} ${roles[i] ? "taken" : ""}` }, column.first[row] ?? "")))))));
+  return element(
+    "div",
+    { class: "wide first-rows", tabindex: "0", role: "region", "aria-label": "First rows of the file" },
+    element(
+      "table",
+      {},
+      element("caption", {}, file.rows > shown ? `First rows of ${count(file.rows)}` : `${count(file.rows)} rows`),
+      element(
+        "thead",
+        {},
+        element(
+          "tr",
+          {},
+          file.columns.map((column, i) =>
+            element(
+              "th",
+              { scope: "col", class: `${number(column)} ${roles[i] ? "taken" : ""}` },
+              column.name,
+              role(i),
+            ),
+          ),
+        ),
+      ),
+      element(
+        "tbody",
+        {},
+        Array.from({ length: shown }, (_, row) =>
+          element(
+            "tr",
+            {},
+            file.columns.map((column, i) =>
+              element("td", { class: `${number(column)} ${roles[i] ? "taken" : ""}` }, column.first[row] ?? ""),
+            ),
+          ),
+        ),
+      ),
+    ),
+  );
 }

@@ -6,11 +6,23 @@ import { pointsPlot } from "../points_plot.js";
 import { button } from "../schema_form.js";
 import { plainBase, unitsOf } from "../units.js";
 import { messageOf } from "../words.js";
-import { CELLS, beginning, conflicts, doubts, joinable, joinsBlocks, open, section, specimenColumn, suit, suitUnits, unitQuestions } from "./choices.js";
+import { askedFields } from "./asked.js";
+import {
+  CELLS,
+  beginning,
+  conflicts,
+  joinsBlocks,
+  open,
+  section,
+  suit,
+  suitUnits,
+  taken,
+  unitQuestions,
+} from "./choices.js";
 import { BEFORE, LEAVE_OUT, NO_READING, choice, firstRows, flag, labelHere, words } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
 import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
-import { CLOCKS, DATES, SIGNS, moreFields } from "./more.js";
+import { moreFields } from "./more.js";
 
 const PAUSE = 250; // ms without a change before the file is read again
 
@@ -23,18 +35,43 @@ export function mapping(file, content, context, act) {
   const state = beginning();
   const known = context.series();
   const info = () => known.find((one) => one.name === state.series);
-  const top = element("div", {}), fields = element("div", { class: "fields" }), asked = element("div", { class: "fields" }), more = element("div", {}), table = element("div", {});
-  const notes = element("p", { class: "help", role: "status" }), wrong = element("div", { class: "problems" }), order = element("div", {}), preview = element("div", {});
+  const top = element("div", {}),
+    fields = element("div", { class: "fields" }),
+    asked = element("div", { class: "fields" }),
+    more = element("div", {}),
+    table = element("div", {});
+  const notes = element("p", { class: "help", role: "status" }),
+    wrong = element("div", { class: "problems" }),
+    order = element("div", {}),
+    preview = element("div", {});
   const use = button("Use these readings", accept, { class: "", id: "take" });
-  let points = null, refused = [], timer = null, running = null;
+  let points = null,
+    refused = [],
+    timer = null,
+    running = null;
   const loads = loadStages(file, content, state, context, {
     stages: act.stages,
-    joined: (blocks) => { if (!state.blocks) { state.blocks = blocks; load(); } },
+    joined: (blocks) => {
+      if (!state.blocks) {
+        state.blocks = blocks;
+        load();
+      }
+    },
   });
 
   const sign = () => (state.reverse ? -1 : 1);
-  const quantity = (axis) => [info()?.[`${axis}_quantity`] ?? file.columns[state[axis]]?.label ?? axis, state[`${axis}Unit`]];
-  const plot = pointsPlot(preview, () => ({ x: points?.x ?? [], y: (points?.y ?? []).map((y) => sign() * y), gross: points?.gross_errors, label: state.series ?? file.name, xLabel: quantity("x"), yLabel: quantity("y") }));
+  const quantity = (axis) => [
+    info()?.[`${axis}_quantity`] ?? file.columns[state[axis]]?.label ?? axis,
+    state[`${axis}Unit`],
+  ];
+  const plot = pointsPlot(preview, () => ({
+    x: points?.x ?? [],
+    y: (points?.y ?? []).map((y) => sign() * y),
+    gross: points?.gross_errors,
+    label: state.series ?? file.name,
+    xLabel: quantity("x"),
+    yLabel: quantity("y"),
+  }));
 
   /** The points as they would be taken, from the service: it reads files for problems, too, by the same rules. */
   function load() {
@@ -51,22 +88,44 @@ export function mapping(file, content, context, act) {
     const mine = new AbortController();
     running = mine;
     try {
-      const loads = byLoad(info(), "x") && plainBase(state.xUnit) !== "dimensionless" ? state.xUnit || undefined : undefined;
-      const joined = joinsBlocks(file, state) && file.columns[state.x].kind === "number" ? state.xUnit || undefined : undefined;
-      const query = { name: file.name, observation: JSON.stringify({ ...section(file, state), x_unit: loads ?? joined, x_from: state.early && begin() > 0 ? begin() : undefined }), forward_model: context.forwardModel() };
-      points = await (await request("POST", "/measurements/points", { query, body: content, headers: { "Content-Type": "application/octet-stream" }, signal: mine.signal })).json();
+      const loads =
+        byLoad(info(), "x") && plainBase(state.xUnit) !== "dimensionless" ? state.xUnit || undefined : undefined;
+      const joined =
+        joinsBlocks(file, state) && file.columns[state.x].kind === "number" ? state.xUnit || undefined : undefined;
+      const query = {
+        name: file.name,
+        observation: JSON.stringify({
+          ...section(file, state),
+          x_unit: loads ?? joined,
+          x_from: state.early && begin() > 0 ? begin() : undefined,
+        }),
+        forward_model: context.forwardModel(),
+      };
+      points = await (
+        await request("POST", "/measurements/points", {
+          query,
+          body: content,
+          headers: { "Content-Type": "application/octet-stream" },
+          signal: mine.signal,
+        })
+      ).json();
       ["x", "y"].filter((axis) => state[axis] === CELLS && !byLoad(info(), axis)).forEach(found);
     } catch (error) {
       if (error.name === "AbortError") return;
       refused = error.issues?.length ? error.issues : [error];
-      if (refusedFor("no_reading")) state.codes = refused.flatMap(({ parts }) => parts ?? []).filter(({ path }) => path === "no_reading").map(({ value }) => value);
+      if (refusedFor("no_reading"))
+        state.codes = refused
+          .flatMap(({ parts }) => parts ?? [])
+          .filter(({ path }) => path === "no_reading")
+          .map(({ value }) => value);
     }
     show();
   }
 
   /** The unit that the service found for chosen cells, unless another one was given by hand. */
   function found(axis) {
-    const name = `${axis}Unit`, now = points[`${axis}_unit`] === "unstated" ? "" : points[`${axis}_unit`];
+    const name = `${axis}Unit`,
+      now = points[`${axis}_unit`] === "unstated" ? "" : points[`${axis}_unit`];
     if (["", state.found[axis]].includes(state[name])) {
       const input = fields.querySelector(`#map-${axis}-unit`);
       input.value = now;
@@ -84,21 +143,85 @@ export function mapping(file, content, context, act) {
 
   /** What is open, wrong or done, and what the button would do. */
   function show() {
-    const questions = [...open(file, state, info()), ...unitQuestions(file, state, info())], units = Object.values(conflicts(file, state, info())).filter(Boolean);
-    const incomplete = state.incomplete || refusedFor("incomplete_rows"), early = before() > 0 || (state.early && !points && begin() > 0) || refusedFor("x_from");
-    exchange(wrong,
-      questions.length && known.length ? element("ul", { class: "todo" }, questions.map((text) => element("li", {}, text))) : null,
-      [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) => element("p", { class: "error", role: "alert" }, text)),
-      incomplete ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => { state.incomplete = on; load(); }) : null,
-      state.codes.length ? choice("map-no-reading", NO_READING, state.codes.map((codes) => [codes, codes === "[]" ? "none: these are readings" : codes.slice(1, -1)]), state.noReading, (codes) => { state.noReading = codes; load(); }, { asked: true }) : null);
-    exchange(order, early ? flag("map-before", `${BEFORE} ${quantity("x")[0]} ${begin()}${before() ? ` (${count(before())})` : ""}`, state.early, (on) => { state.early = on; if (begin() > 0) load(); }) : null, unsorted() && info()?.x_increasing
-      ? [element("p", { class: "help stale" }, `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`),
-        flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => { state.sort = on; })]
-      : null);
-    notes.textContent = points ? [`${count(points.x.length)} readings.`, points.gross_errors.length ? `${count(points.gross_errors.length)} of them are gross errors.` : "", ...points.notes.map((note) => `${note[0].toUpperCase()}${note.slice(1)}.`)].filter(Boolean).join(" ")
-      : questions.length || refused.length ? "" : "Reading …";
+    const questions = [...open(file, state, info()), ...unitQuestions(file, state, info())],
+      units = Object.values(conflicts(file, state, info())).filter(Boolean);
+    const incomplete = state.incomplete || refusedFor("incomplete_rows"),
+      early = before() > 0 || (state.early && !points && begin() > 0) || refusedFor("x_from");
+    exchange(
+      wrong,
+      questions.length && known.length
+        ? element(
+            "ul",
+            { class: "todo" },
+            questions.map((text) => element("li", {}, text)),
+          )
+        : null,
+      [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) =>
+        element("p", { class: "error", role: "alert" }, text),
+      ),
+      incomplete
+        ? flag("map-incomplete", LEAVE_OUT, state.incomplete, (on) => {
+            state.incomplete = on;
+            load();
+          })
+        : null,
+      state.codes.length
+        ? choice(
+            "map-no-reading",
+            NO_READING,
+            state.codes.map((codes) => [codes, codes === "[]" ? "none: these are readings" : codes.slice(1, -1)]),
+            state.noReading,
+            (codes) => {
+              state.noReading = codes;
+              load();
+            },
+            { asked: true },
+          )
+        : null,
+    );
+    exchange(
+      order,
+      early
+        ? flag(
+            "map-before",
+            `${BEFORE} ${quantity("x")[0]} ${begin()}${before() ? ` (${count(before())})` : ""}`,
+            state.early,
+            (on) => {
+              state.early = on;
+              if (begin() > 0) load();
+            },
+          )
+        : null,
+      unsorted() && info()?.x_increasing
+        ? [
+            element(
+              "p",
+              { class: "help stale" },
+              `The values of ${quantity("x")[0]} do not increase from row to row, which this series needs.`,
+            ),
+            flag("map-sort", "Put the rows in order, with the mean of those of equal x", state.sort, (on) => {
+              state.sort = on;
+            }),
+          ]
+        : null,
+    );
+    notes.textContent = points
+      ? [
+          `${count(points.x.length)} readings.`,
+          points.gross_errors.length ? `${count(points.gross_errors.length)} of them are gross errors.` : "",
+          ...points.notes.map((note) => `${note[0].toUpperCase()}${note.slice(1)}.`),
+        ]
+          .filter(Boolean)
+          .join(" ")
+      : questions.length || refused.length
+        ? ""
+        : "Reading …";
     const there = state.series ? context.readings(state.series) : 0;
-    use.textContent = !state.series ? "Use these readings" : there ? `Replace ${state.series} (${count(there)} readings)` : `Add ${state.series}`;
+    use.textContent = !state.series
+      ? "Use these readings"
+      : there
+        ? `Replace ${state.series} (${count(there)} readings)`
+        : `Add ${state.series}`;
     use.disabled = !points?.x.length || units.length > 0 || questions.length > 0;
     preview.hidden = !points?.x.length;
     if (points?.x.length) plot.draw();
@@ -106,27 +229,55 @@ export function mapping(file, content, context, act) {
 
   function draw() {
     const about = info();
-    const name = (column) => (file.columns.filter((one) => one.name === column.name).length > 1 ? `${column.name} (${column.letters})` : column.name);
-    const columns = (kinds) => [...file.columns.map((column, i) => [i, name(column), !kinds(column)]), [CELLS, "by cells or name …"]];
+    const name = (column) =>
+      file.columns.filter((one) => one.name === column.name).length > 1
+        ? `${column.name} (${column.letters})`
+        : column.name;
+    const columns = (kinds) => [
+      ...file.columns.map((column, i) => [i, name(column), !kinds(column)]),
+      [CELLS, "by cells or name …"],
+    ];
     const pick = (axis, kinds) => [
       choice(`map-${axis}`, `Column of ${axis}`, columns(kinds), state[axis], (value) => choose(axis, value)),
-      state[axis] === CELLS ? words(`map-${axis}-cells`, `Cells of ${axis}`, state[`${axis}Cells`], (value) => { state[`${axis}Cells`] = value; change(false); }, { placeholder: "B5:B30", help: "B5:B30, B5:M5 in a row, B:B, or a name of the workbook." }) : null,
+      state[axis] === CELLS
+        ? words(
+            `map-${axis}-cells`,
+            `Cells of ${axis}`,
+            state[`${axis}Cells`],
+            (value) => {
+              state[`${axis}Cells`] = value;
+              change(false);
+            },
+            { placeholder: "B5:B30", help: "B5:B30, B5:M5 in a row, B:B, or a name of the workbook." },
+          )
+        : null,
       unit(axis),
     ];
-    exchange(fields,
-      choice("map-series", "Series", known.map((one) => [one.name, context.readings(one.name) ? `${one.name}: replaces ${count(context.readings(one.name))} readings` : one.name]), state.series,
-        (value) => { state.series = value; suit(state, file, info()); change(true); }, { help: about?.description, asked: true, wide: true }),
-      element("div", { class: "fields wide-field" }, pick("y", (column) => column.kind === "number")),
-      element("div", { class: "fields wide-field" }, pick("x", readable)));
-    const { numbers, dates, clock } = doubts(file, state), specimens = specimenColumn(file, state), blocks = about && !byLoad(about, "x") ? joinable(file, state) : [];
-    exchange(asked,
-      numbers ? choice("map-sign", "How are numbers written?", SIGNS, state.decimal, (value) => { state.decimal = value; change(true); }, { help: `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`, asked: true }) : null,
-      dates ? choice("map-dates", "How are dates written?", DATES, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${dates.doubt}” can be read in two ways.`, asked: true }) : null,
-      clock ? choice("map-dates", "How are times written?", CLOCKS, state.dates, (value) => { state.dates = value; change(true); }, { help: `“${clock.first.find(Boolean)}” can be a time since the start or a time of day.`, asked: true }) : null,
-      specimens !== null
-        ? choice("map-specimen", `Which ${file.columns[specimens].name}?`, [...Object.entries(file.columns[specimens].entries).map(([entry, rows]) => [entry, `${entry} (${count(rows)} rows)`]), ["", "all rows"]], state.specimen, (value) => { state.specimen = value; change(true); }, { asked: true })
-        : null,
-      blocks.length > 1 ? flag("map-together", blocks[0].sheet ? `Join the ${count(blocks.length)} sheets with these headings, one after the other: ${file.alike.join(", ")}` : `Join the ${count(blocks.length)} blocks with these headings, one after the other`, state.together, (on) => { state.together = on; state.staged = context.staged(); change(false); }) : null);
+    exchange(
+      fields,
+      choice(
+        "map-series",
+        "Series",
+        known.map((one) => [
+          one.name,
+          context.readings(one.name) ? `${one.name}: replaces ${count(context.readings(one.name))} readings` : one.name,
+        ]),
+        state.series,
+        (value) => {
+          state.series = value;
+          suit(state, file, info());
+          change(true);
+        },
+        { help: about?.description, asked: true, wide: true },
+      ),
+      element(
+        "div",
+        { class: "fields wide-field" },
+        pick("y", (column) => column.kind === "number"),
+      ),
+      element("div", { class: "fields wide-field" }, pick("x", readable)),
+    );
+    exchange(asked, askedFields(file, state, about, context, change));
     exchange(more, moreFields(file, state, change, context.openParameters()));
     exchange(table, file.columns.length ? firstRows(file, { [state.x]: "x", [state.y]: "y" }) : null);
     load();
@@ -147,40 +298,105 @@ export function mapping(file, content, context, act) {
 
   function unit(axis) {
     const base = info()?.[`${axis}_unit`];
-    const listed = unitsOf(loadsAsX(info(), axis, file.columns[state[axis]]) ? "kPa" : base ?? file.columns[state[axis]]?.base ?? "");
+    const listed = unitsOf(
+      loadsAsX(info(), axis, file.columns[state[axis]]) ? "kPa" : (base ?? file.columns[state[axis]]?.base ?? ""),
+    );
     const dates = axis === "x" && ["time", "clock"].includes(file.columns[state.x]?.kind);
-    const made = words(`map-${axis}-unit`, `Unit of ${axis}`, state[`${axis}Unit`], (value) => { state[`${axis}Unit`] = value; state.given[axis] = value; made.classList.toggle("asked", !value); if (byLoad(info(), axis)) load(); else show(); }, { list: listed, help: dates ? "Dates are read as days." : null, asked: info() !== undefined && !state[`${axis}Unit`] });
+    const made = words(
+      `map-${axis}-unit`,
+      `Unit of ${axis}`,
+      state[`${axis}Unit`],
+      (value) => {
+        state[`${axis}Unit`] = value;
+        state.given[axis] = value;
+        made.classList.toggle("asked", !value);
+        if (byLoad(info(), axis)) load();
+        else show();
+      },
+      {
+        list: listed,
+        help: dates ? "Dates are read as days." : null,
+        asked: info() !== undefined && !state[`${axis}Unit`],
+      },
+    );
     if (dates) made.querySelector("input").readOnly = true;
     return made;
   }
 
   function accept() {
-    const { x, y, weight, readings, independent, range, inputs, gross_errors: gross, notes: told } = points;
-    const observation = { series: state.series };
-    for (const axis of ["x", "y"]) if (!byLoad(info(), axis) && state[`${axis}Unit`] && plainBase(state[`${axis}Unit`]) !== plainBase(info()?.[`${axis}_unit`])) observation[`${axis}_unit`] = state[`${axis}Unit`];
-    observation.points = { x, y, ...(weight ? { weight } : {}), ...(readings ? { readings } : {}), ...(independent ? { independent } : {}), ...(range === null ? {} : { range }), ...(Object.keys(inputs).length ? { inputs } : {}) };
-    if (state.reverse) observation.y_factor = -1;
-    if (state.sort) Object.assign(observation, { sort: true, repeated_x: "average" });
-    if (state.early && before()) observation.x_from = begin();
-    if (gross.length) observation.gross_errors = gross;
-    if (told.length) observation.notes = told;
+    const observation = taken(points, state, info(), before() ? begin() : undefined);
     plot.remove();
-    if (!act.take(observation, file.name)) announce(`${count(x.length)} readings of ${observation.series} were taken from ${file.name}.`);
+    if (!act.take(observation, file.name))
+      announce(`${count(points.x.length)} readings of ${observation.series} were taken from ${file.name}.`);
   }
 
   state.more.load_column = columnOfLoads(file);
   const likely = likelySeries(file, known);
   state.series = likely.series ?? (known.length === 1 ? known[0].name : null);
   suit(state, file, info(), likely.y);
-  exchange(top,
-    file.sheets.length > 1 ? element("div", { class: "fields" }, choice("map-sheet", "Sheet", file.sheets.map((one) => [one, one]), file.sheet, act.sheet, { help: `${file.sheets.length} sheets: ${file.sheets.join(", ")}` })) : null,
-    known.length ? null : element("p", { class: "error", role: "alert" }, "Describe the forward model first; then a file can be assigned to one of its series."),
-    file.columns.some((column) => column.kind === "number") ? null : element("p", { class: "error", role: "alert" }, `Sheet “${file.sheet}” has no column of numbers: choose another one.`),
-    file.formulas.length ? element("p", { class: "error", role: "alert" }, `Formulas without a stored value, which cannot be read: ${file.formulas.join(", ")}. Let a spreadsheet program calculate and save the workbook.`) : null);
-  const made = element("fieldset", { class: "group mapping" }, element("legend", {}, file.name), top, table, loads.place, fields, asked,
+  exchange(
+    top,
+    file.sheets.length > 1
+      ? element(
+          "div",
+          { class: "fields" },
+          choice(
+            "map-sheet",
+            "Sheet",
+            file.sheets.map((one) => [one, one]),
+            file.sheet,
+            act.sheet,
+            { help: `${file.sheets.length} sheets: ${file.sheets.join(", ")}` },
+          ),
+        )
+      : null,
+    known.length
+      ? null
+      : element(
+          "p",
+          { class: "error", role: "alert" },
+          "Describe the forward model first; then a file can be assigned to one of its series.",
+        ),
+    file.columns.some((column) => column.kind === "number")
+      ? null
+      : element(
+          "p",
+          { class: "error", role: "alert" },
+          `Sheet “${file.sheet}” has no column of numbers: choose another one.`,
+        ),
+    file.formulas.length
+      ? element(
+          "p",
+          { class: "error", role: "alert" },
+          `Formulas without a stored value, which cannot be read: ${file.formulas.join(", ")}. Let a spreadsheet program calculate and save the workbook.`,
+        )
+      : null,
+  );
+  const made = element(
+    "fieldset",
+    { class: "group mapping" },
+    element("legend", {}, file.name),
+    top,
+    table,
+    loads.place,
+    fields,
+    asked,
     element("details", { class: "more" }, element("summary", {}, "More about these columns"), more),
-    wrong, notes, order, preview,
-    element("div", { class: "buttons" }, use, button("Cancel", () => { running?.abort(); plot.remove(); act.cancel(); })));
+    wrong,
+    notes,
+    order,
+    preview,
+    element(
+      "div",
+      { class: "buttons" },
+      use,
+      button("Cancel", () => {
+        running?.abort();
+        plot.remove();
+        act.cancel();
+      }),
+    ),
+  );
   draw();
   return made;
 }

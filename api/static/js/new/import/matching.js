@@ -15,7 +15,9 @@ export function reference(file, i) {
   const column = file.columns[i];
   if (lies(column)) return column.letters;
   const alone = file.columns.filter((one) => heading(one) === heading(column)).length === 1;
-  return alone && column.name.length < 200 && !/^column \d+$/.test(column.name) ? column.name : `${column.letters}:${column.letters}`;
+  return alone && column.name.length < 200 && !/^column \d+$/.test(column.name)
+    ? column.name
+    : `${column.letters}:${column.letters}`;
 }
 
 /** Models that know no quantities (formulas, programs) take numbers as they are where they declare no unit. */
@@ -39,10 +41,17 @@ export function conflict(info, axis, unit, column) {
   const base = column?.unit === unit ? column.base : dimensionOf(unit);
   if (!unit || base === null || base === undefined || base === wanted || dimensionOf(wanted) === null) return null;
   const what = column?.unit === unit ? `“${column.name}” is in ${unit}` : `${unit} is given`;
-  const divided = wanted === "dimensionless" && info[`${axis}_quantity`].includes("strain") && dimensionOf(unit) === "m"
-    ? ` A strain needs the unit “dimensionless”, and “Multiply ${axis} by” below.` : "";
-  const needed = wanted === "dimensionless" ? "has no unit but % or 1" : `needs a unit such as ${unitsOf(wanted).slice(0, 3).join(", ")}`;
-  return `${what}, but ${info[`${axis}_quantity`]} of ${info.name} ${needed}. Choose another column or series; correct the unit only if the heading is wrong.${divided}`;
+  const divided =
+    wanted === "dimensionless" && info[`${axis}_quantity`].includes("strain") && dimensionOf(unit) === "m"
+      ? ` A strain needs the unit “dimensionless”, and “Multiply ${axis} by” below.`
+      : "";
+  const needed =
+    wanted === "dimensionless"
+      ? "has no unit but % or 1"
+      : `needs a unit such as ${unitsOf(wanted).slice(0, 3).join(", ")}`;
+  const quantity = info[`${axis}_quantity`];
+  const whose = quantity === info.name ? quantity : `${quantity} of ${info.name}`;
+  return `${what}, but ${whose} ${needed}. Choose another column or series; correct the unit only if the heading is wrong.${divided}`;
 }
 
 /** Place among what a heading may mean, of a series' quantity; -1: none. */
@@ -53,8 +62,9 @@ function meaning(column, info) {
 }
 
 /** Numbers of stages that come again choose a part of a table, they are no x. */
-const meansX = (column, info) => column.quantities.some((one) => key(info.x_quantity) === one || key(info.x_quantity).endsWith(`_${one}`))
-  && !(info.x_quantity === "stage" && new Set(column.values).size < column.values.length);
+const meansX = (column, info) =>
+  column.quantities.some((one) => key(info.x_quantity) === one || key(info.x_quantity).endsWith(`_${one}`)) &&
+  !(info.x_quantity === "stage" && new Set(column.values).size < column.values.length);
 
 /** Whether a column is a row of the sheet. */
 export const lies = (column) => column?.letters.includes(":") ?? false;
@@ -62,7 +72,8 @@ export const lies = (column) => column?.letters.includes(":") ?? false;
 const LOADS = ["axial_stress", "normal_stress", "effective_stress"];
 
 /** Whether a column seems to hold loads, by its words. */
-export const meansLoad = (column) => column.kind === "number" && (column.base ?? "kPa") === "kPa" && column.quantities.some((one) => LOADS.includes(one));
+export const meansLoad = (column) =>
+  column.kind === "number" && (column.base ?? "kPa") === "kPa" && column.quantities.some((one) => LOADS.includes(one));
 
 /** Whether a column of loads is chosen in place of numbers of stages. */
 export const loadsAsX = (info, axis, column) => byLoad(info, axis) && column !== undefined && meansLoad(column);
@@ -74,15 +85,20 @@ const only = (found) => (found.length === 1 ? found[0] : undefined);
 
 /** The column of x for a series, null where it is not plain. */
 export function columnOfX(file, info, y) {
-  const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => readable(column) && column.kind !== "clock" && paired(column, file.columns[y]));
+  const usable = file.columns
+    .map((column, i) => ({ column, i }))
+    .filter(({ column }) => readable(column) && column.kind !== "clock" && paired(column, file.columns[y]));
   if (lies(file.columns[y])) usable.sort((one, other) => Math.abs(one.i - y) - Math.abs(other.i - y)); // a block has both
-  const found = usable.find(({ column }) => meansX(column, info))
-    ?? usable.find(({ column }) => column.base !== null && column.base === plainBase(info.x_unit) && column.base !== "dimensionless")
-    ?? (byLoad(info, "x") ? usable.find(({ column }) => meansLoad(column)) : undefined)
-    ?? usable.find(({ column }) => plainBase(info.x_unit) === "day" && column.quantities.includes("time"))
-    ?? (info.x_quantity.includes("strain") ? only(usable.filter(({ column }) => column.unit === "%")) : undefined)
-    ?? usable.find(({ column }) => key(column.label) === "x")
-    ?? ((info.x_quantity === "x" && file.columns.length === 2) || usable.length === 1 ? usable[0] : undefined);
+  const found =
+    usable.find(({ column }) => meansX(column, info)) ??
+    usable.find(
+      ({ column }) => column.base !== null && column.base === plainBase(info.x_unit) && column.base !== "dimensionless",
+    ) ??
+    (byLoad(info, "x") ? usable.find(({ column }) => meansLoad(column)) : undefined) ??
+    usable.find(({ column }) => plainBase(info.x_unit) === "day" && column.quantities.includes("time")) ??
+    (info.x_quantity.includes("strain") ? only(usable.filter(({ column }) => column.unit === "%")) : undefined) ??
+    usable.find(({ column }) => key(column.label) === "x") ??
+    ((info.x_quantity === "x" && file.columns.length === 2) || usable.length === 1 ? usable[0] : undefined);
   return found?.i ?? null;
 }
 
@@ -91,24 +107,59 @@ export function columnOfY(file, info) {
   const usable = file.columns.map((column, i) => ({ column, i })).filter(({ column }) => column.kind === "number");
   const named = usable.map((one) => ({ ...one, place: meaning(one.column, info) })).filter(({ place }) => place >= 0);
   named.sort((one, other) => one.place - other.place || one.i - other.i);
-  const alike = usable.filter(({ column }) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(info.y_unit) && !otherLength(column));
-  return named[0]?.i ?? (alike.length === 1 ? alike[0].i : null) ?? usable.find(({ column }) => key(column.label) === "y")?.i ?? null;
+  const alike = usable.filter(
+    ({ column }) =>
+      column.base !== null &&
+      column.base !== "dimensionless" &&
+      column.base === plainBase(info.y_unit) &&
+      !otherLength(column),
+  );
+  return (
+    named[0]?.i ??
+    (alike.length === 1 ? alike[0].i : null) ??
+    usable.find(({ column }) => key(column.label) === "y")?.i ??
+    null
+  );
 }
 
 /** The only series and column whose units, and those of a column of x, belong together, where no word says so. */
 function byUnits(file, pairs) {
-  const fits = (column, unit) => column.base !== null && column.base !== "dimensionless" && column.base === plainBase(unit);
-  const found = pairs.filter(({ info, column, y }) => !otherLength(column) && fits(column, info.y_unit) && file.columns.some((one, i) => i !== y && fits(one, info.x_unit)));
+  const fits = (column, unit) =>
+    column.base !== null && column.base !== "dimensionless" && column.base === plainBase(unit);
+  const found = pairs.filter(
+    ({ info, column, y }) =>
+      !otherLength(column) &&
+      fits(column, info.y_unit) &&
+      file.columns.some((one, i) => i !== y && fits(one, info.x_unit)),
+  );
   return found.length === 1 ? found[0] : undefined;
 }
 
 /** Series and column of y that a file seems to be about: {series, y}; both null where its headings do not say. */
 export function likelySeries(file, known) {
-  const pairs = known.flatMap((info, place) => file.columns.map((column, y) => ({ info, place, column, y, meant: column.kind === "number" ? meaning(column, info) : -1 })));
+  const pairs = known.flatMap((info, place) =>
+    file.columns.map((column, y) => ({
+      info,
+      place,
+      column,
+      y,
+      meant: column.kind === "number" ? meaning(column, info) : -1,
+    })),
+  );
   const rank = ({ info, place, column, y, meant }) => {
-    const x = file.columns.some((one) => readable(one) && paired(one, column) && (meansX(one, info) || (byLoad(info, "x") && meansLoad(one))));
+    const x = file.columns.some(
+      (one) => readable(one) && paired(one, column) && (meansX(one, info) || (byLoad(info, "x") && meansLoad(one))),
+    );
     const fits = column.base === null || column.base === plainBase(info.y_unit);
-    return [meant, x ? 0 : 1, fits ? 0 : 1, info.name.includes(".") ? 1 : 0, PREFIX.test(info.name.split(".").at(-1)) ? 1 : 0, place, y];
+    return [
+      meant,
+      x ? 0 : 1,
+      fits ? 0 : 1,
+      info.name.includes(".") ? 1 : 0,
+      PREFIX.test(info.name.split(".").at(-1)) ? 1 : 0,
+      place,
+      y,
+    ];
   };
   const ranked = pairs.filter(({ meant }) => meant >= 0).map((pair) => ({ pair, order: rank(pair) }));
   ranked.sort((one, other) => one.order.map((value, i) => value - other.order[i]).find((step) => step !== 0) ?? 0);

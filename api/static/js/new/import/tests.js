@@ -37,15 +37,18 @@ async function likelyTable(files) {
 export async function testsTable(files, context, act) {
   const sent = Object.fromEntries(await Promise.all(files.map(async (file) => [file.name, await encoded(file)])));
   const state = { table: (await likelyTable(files)).name, material: "" };
-  const wrong = element("div", { class: "problems" }), said = element("p", { class: "help", role: "status" });
+  const wrong = element("div", { class: "problems" }),
+    said = element("p", { class: "help", role: "status" });
   const use = button("Take the tests", accept, { class: "", id: "tests-take" });
-  let made = null, latest = 0;
+  let made = null,
+    latest = 0;
 
   /** Tests come to those of a combined problem; any other one is replaced. */
   const added = () => context.document().forward_model?.kind === "combined";
 
   async function load() {
-    const mine = ++latest, { name, method, stopping, seed } = context.document();
+    const mine = ++latest,
+      { name, method, stopping, seed } = context.document();
     made = null;
     show([]);
     const given = added() ? context.document() : { name, method, stopping, seed };
@@ -61,23 +64,73 @@ export async function testsTable(files, context, act) {
   }
 
   function show(refused) {
-    exchange(wrong, refused.map((issue) => element("p", { class: "error", role: "alert" }, messageOf(issue))));
+    exchange(
+      wrong,
+      refused.map((issue) => element("p", { class: "error", role: "alert" }, messageOf(issue))),
+    );
     use.disabled = !made;
     const fresh = made ? partsOf(made).length - (added() ? partsOf(context.document()).length : 0) : 0;
-    use.textContent = !made ? "Take the tests" : added() ? `Add ${tests(fresh)}` : `${context.begun() ? "Replace the problem by" : "Take"} ${tests(fresh)}`;
-    said.textContent = made ? `It makes a problem (${summary(made).what}) of ${count(summary(made).readings)} readings.` : refused.length ? "" : "Reading …";
+    use.textContent = !made
+      ? "Take the tests"
+      : added()
+        ? `Add ${tests(fresh)}`
+        : `${context.begun() ? "Replace the problem by" : "Take"} ${tests(fresh)}`;
+    said.textContent = made
+      ? `It makes a problem (${summary(made).what}) of ${count(summary(made).readings)} readings.`
+      : refused.length
+        ? ""
+        : "Reading …";
   }
 
   function accept() {
-    act.replace(made, `${use.textContent.replace(/^\D*/, "")} of ${state.table} ${added() ? "were added" : "have replaced what was here"}.`);
+    act.replace(
+      made,
+      `${use.textContent.replace(/^\D*/, "")} of ${state.table} ${added() ? "were added" : "have replaced what was here"}.`,
+    );
   }
 
-  const form = element("fieldset", { class: "group mapping" }, element("legend", {}, `Tests from a table: ${count(files.length)} ${files.length === 1 ? "file" : "files"}`),
-    element("div", { class: "fields" },
-      choice("tests-table", "Table with a row a test", files.map(({ name }) => [name, name]), state.table, (value) => { state.table = value; load(); }, { help: "Its columns: file, kind, cell pressure, void ratio …" }),
-      choice("tests-material", "Soil law", [["", "as the table says"], ...context.materials.map((one) => [one, plain(one)])], state.material, (value) => { state.material = value; load(); }, { help: "Of tests whose rows name none." })),
-    wrong, said,
-    element("div", { class: "buttons" }, use, button("Cancel", () => { latest++; act.cancel(); })));
+  const form = element(
+    "fieldset",
+    { class: "group mapping" },
+    element("legend", {}, `Tests from a table: ${count(files.length)} ${files.length === 1 ? "file" : "files"}`),
+    element(
+      "div",
+      { class: "fields" },
+      choice(
+        "tests-table",
+        "Table with a row a test",
+        files.map(({ name }) => [name, name]),
+        state.table,
+        (value) => {
+          state.table = value;
+          load();
+        },
+        { help: "Its columns: file, kind, cell pressure, void ratio …" },
+      ),
+      choice(
+        "tests-material",
+        "Soil law",
+        [["", "as the table says"], ...context.materials.map((one) => [one, plain(one)])],
+        state.material,
+        (value) => {
+          state.material = value;
+          load();
+        },
+        { help: "Of tests whose rows name none." },
+      ),
+    ),
+    wrong,
+    said,
+    element(
+      "div",
+      { class: "buttons" },
+      use,
+      button("Cancel", () => {
+        latest++;
+        act.cancel();
+      }),
+    ),
+  );
   load();
   return form;
 }
