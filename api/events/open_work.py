@@ -14,6 +14,7 @@ from typing import TypeVar
 
 import anyio
 import anyio.to_thread
+from starlette.types import Receive
 
 from geoswarm.workers.agents.desk import AgentDesk, OpenWork, accepts
 from geoswarm.workers.errors import StoreUnavailableError
@@ -40,6 +41,12 @@ class _Waiter:
     offers: frozenset[str]
     ends: float | None  # monotonic time at which the agent ends [s]
     woken: asyncio.Event = field(default_factory=asyncio.Event)
+    over: bool = False
+
+    def dismiss(self) -> None:
+        """Have it wait no longer, and ask for nothing."""
+        self.over = True
+        self.woken.set()
 
 
 class OpenWorkWatch:
@@ -99,10 +106,12 @@ class OpenWorkWatch:
         recent = time.monotonic() - self._looked_at <= 2.0 * self._interval()
         return recent and not self.closed and not accepts(offers, self._work, left)
 
-    async def wait(self, agent: str, offers: frozenset[str], left: float | None, seconds: float) -> bool:
+    async def wait(
+        self, agent: str, offers: frozenset[str], left: float | None, seconds: float, receive: Receive
+    ) -> bool:
         """Wait until there may be work for an agent that runs for some time yet [s], or some seconds [s] have passed.
 
-        Return whether there may be. While it waits the agent counts as seen.
+        Return whether there may be. While it waits the agent counts as seen, unless it disconnects.
         """
         if self.closed or seconds <= 0:
             return False
@@ -119,15 +128,24 @@ class OpenWorkWatch:
 
             self._listener = EventListener(self._service.store, hear)
             self._listener.start()
+        leaving = asyncio.create_task(_disconnected(receive))
+        leaving.add_done_callback(lambda _: waiter.dismiss())
         try:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(waiter.woken.wait(), seconds)
-            return waiter.woken.is_set()
+            return waiter.woken.is_set() and not waiter.over
         finally:
+            leaving.cancel()
             self._waiters.pop(waiter, None)
             if not self._waiters and self._poller is not None:
                 self._poller.cancel()
                 self._poller = None
+
+    def dismiss(self, agent: str) -> None:
+        """End the waiting of an agent that has signed off; called in the event loop."""
+        for waiter in self._waiters:
+            if waiter.agent == agent:
+                waiter.dismiss()
 
     def close(self) -> None:
         """End all waiting; called in the event loop."""
@@ -184,3 +202,8 @@ class OpenWorkWatch:
         if time.monotonic() - self._worked_at <= QUIET_SECONDS:
             return self._poll
         return self._poll * (ANNOUNCED_FACTOR if self._listener is not None and self._listener.live else QUIET_FACTOR)
+
+
+async def _disconnected(receive: Receive) -> None:
+    while (await receive())["type"] != "http.disconnect":
+        pass

@@ -94,13 +94,14 @@ async def model_file(sha256: Digest, models: Models) -> FileResponse:
 @router.delete("/{agent}", status_code=204, response_class=Response, responses=problems_of(422))
 async def sign_off(agent: AgentName, key: Key, watch: Watch) -> None:
     """Sign off an agent; what it still holds goes to others when its lease expires."""
-    await watch.in_thread(lambda: watch.desk.sign_off(key, agent))
+    if await watch.in_thread(lambda: watch.desk.sign_off(key, agent)):
+        watch.dismiss(agent)
 
 
 @router.post("/leases", response_model=LeaseAnswer, responses=problems_of(404, 408, 413, 422))
 async def lease(wanted: LeaseRequest, request: Request, key: Key, watch: Watch) -> Response:
     """Request a lease, and wait for it."""
-    desk, began = watch.desk, time.monotonic()
+    desk, began, admitted = watch.desk, time.monotonic(), request.app.state.authenticator.admits
     asked = _wanted(wanted)
     offers = await watch.in_thread(lambda: desk.offers(key, wanted.agent))
     while True:
@@ -113,7 +114,10 @@ async def lease(wanted: LeaseRequest, request: Request, key: Key, watch: Watch) 
             grant = await watch.in_thread(partial(desk.lease, key, now_asked))
         if grant is not None or waited >= wanted.wait or watch.closed or await request.is_disconnected():
             return _answer({"lease": _shown(grant)})
-        if not await watch.wait(wanted.agent, offers, left, wanted.wait - waited):
+        woken = await watch.wait(wanted.agent, offers, left, wanted.wait - waited, request.receive)
+        if not woken or not await admitted(
+            request.headers
+        ):  # a key that was revoked meanwhile: the next request is refused
             return _answer({"lease": None})
 
 

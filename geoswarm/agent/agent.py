@@ -29,7 +29,7 @@ from geoswarm.agent.inventory import announcement
 from geoswarm.agent.outbox import Outbox
 from geoswarm.agent.run_main import BOOTSTRAP
 from geoswarm.agent.runs import RunProcess
-from geoswarm.agent.server import Backoff, Lease, Server, Terms
+from geoswarm.agent.server import Backoff, Lease, Patience, Server, Terms
 from geoswarm.agent.slot import Slot
 from geoswarm.solver.kernels.cache import settle
 from geoswarm.solver.registered.folders import VARIABLE
@@ -45,6 +45,7 @@ KEPT_FRAMES = 16
 LOOK_SECONDS = 0.2
 INVENTORY_SECONDS = 60.0
 END_SECONDS = 5.0  # beyond the grace: to kill, hand in and sign off
+ANSWERED_SECONDS = 2.0  # after which the service has answered what an agent asked before it signed off
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +129,7 @@ class Agent:
         self._ended = threading.Event()
         self._kill_at: float | None = None
         self._asking = threading.Lock()
+        self._patience = Patience()
         self._busy_at = time.monotonic()
         self._announced_at = 0.0
         self._inventory: dict[str, Any] | None = None
@@ -229,19 +231,23 @@ class Agent:
             with self._asking:
                 if self.ending():
                     break
+                began = time.monotonic()
                 try:
-                    if not self._announced_at or time.monotonic() - self._announced_at > INVENTORY_SECONDS:
+                    if not self._announced_at or began - self._announced_at > INVENTORY_SECONDS:
                         self._announce_changes()
-                    lease = self.server.lease(self.wants(slot, self._patience()))
+                    began = time.monotonic()
+                    lease = self.server.lease(self.wants(slot, self._longest_wait()))
                     backoff = Backoff()
                     if lease is not None:
                         slot.busy = True
                         return lease
+                    self._patience.answered(self.terms.wait_seconds, after=time.monotonic() - began)
                     self._end_if_idle()
                     continue
                 except UnreachableError as error:
                     if self.ending():
                         break
+                    self._patience.broken_off(self.terms.wait_seconds, after=time.monotonic() - began)
                     self._end_if_idle()
                     wait = backoff.next(error.seconds)
                     log.warning("the service does not answer, next try in %.1f s: %s", wait, error)
@@ -334,9 +340,9 @@ class Agent:
                 return
             self.outbox.drop(lease_id)
 
-    def _patience(self) -> float:
+    def _longest_wait(self) -> float:
         """How long to wait for work [s]."""
-        waits = [self.terms.wait_seconds]
+        waits = [self._patience.seconds(self.terms.wait_seconds)]
         if self.options.idle_exit is not None:
             waits.append(max(self.options.idle_exit - (time.monotonic() - self._busy_at), 0.5))
         left = self._left()
@@ -348,14 +354,21 @@ class Agent:
     def _finish(self) -> None:
         """Let busy slots finish or hand back what they hold, then sign off."""
         deadline = time.monotonic() + self.options.grace + END_SECONDS
+        self._wait_for_slots(deadline)
+        self._close(deadline)
+
+    def _wait_for_slots(self, deadline: float) -> None:
         while any(slot.busy for slot in self._slots) and time.monotonic() < deadline:
             time.sleep(0.02)
-        self._close()
 
-    def _close(self) -> None:
+    def _close(self, deadline: float = 0.0) -> None:
         try:
             if not self.refused:
                 self.server.sign_off(self.id)
+                # This ends a request for work; one that was granted at this moment is handed back.
+                if self._asking.acquire(timeout=min(max(deadline - time.monotonic(), 0.0), ANSWERED_SECONDS)):
+                    self._asking.release()
+                self._wait_for_slots(deadline)
         except AgentError as error:
             log.info("could not sign off: %s", error)
         self.server.close()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import random
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -18,7 +20,7 @@ from geoswarm.agent.errors import (
 )
 from geoswarm.solver.registered.signed import MOST_BYTES
 
-__all__ = ["Backoff", "Lease", "Run", "Server", "Terms"]
+__all__ = ["Backoff", "Lease", "Patience", "Run", "Server", "Terms"]
 
 CONNECT_SECONDS, ANSWER_SECONDS = 10.0, 60.0
 WAIT_SECONDS = 50.0  # where the service does not say: proxies end what takes a minute
@@ -241,3 +243,43 @@ class Backoff:
         wait = self._longest * self._chance.uniform(0.5, 1.0)
         self._longest = min(2.0 * self._longest, LONGEST_SECONDS)
         return max(wait, at_least * self._chance.uniform(1.0, 1.2))
+
+
+LONGEST_WAIT_SECONDS, UNTRIED_SECONDS = 300.0, 3600.0
+
+
+class Patience:
+    """How long a request for work may wait: twice as long each time that there was none, up to five minutes.
+
+    The fewer requests, the less idle agents cost the service. A proxy in between may break off what takes long: then
+    half as long is waited, and for an hour nothing longer is tried.
+
+    >>> patience = Patience()
+    >>> patience.answered(50.0, after=50.0)
+    >>> patience.seconds(50.0)
+    100.0
+    >>> patience.broken_off(50.0, after=60.0)
+    >>> patience.answered(50.0, after=50.0)
+    >>> patience.seconds(50.0)
+    50.0
+    """
+
+    def __init__(self) -> None:
+        self._factor = 1.0
+        self._untried_until = -math.inf
+
+    def seconds(self, usual: float) -> float:
+        """Return how long to wait, where the service names a wait that proxies usually let through [s]."""
+        return min(self._factor * usual, max(LONGEST_WAIT_SECONDS, usual))
+
+    def answered(self, usual: float, *, after: float) -> None:
+        """Note that the service has answered after a time [s] that there is no work."""
+        longest = self.seconds(usual)
+        if longest <= after and longest < LONGEST_WAIT_SECONDS and time.monotonic() >= self._untried_until:
+            self._factor *= 2.0
+
+    def broken_off(self, usual: float, *, after: float) -> None:
+        """Note that a request was broken off after a time [s]; the wait is to blame if it was longer than usual."""
+        if after > usual:
+            self._factor = max(self._factor / 2.0, 1.0)
+            self._untried_until = time.monotonic() + UNTRIED_SECONDS

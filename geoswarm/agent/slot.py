@@ -70,7 +70,7 @@ class Slot(threading.Thread):
         began = time.monotonic()
         outcomes: dict[int, RunOutcome] = {}
         killed: int | None = None
-        if shared is not None:
+        if shared is not None and not agent.ending():  # a lease that comes at the end is handed back
             with Beats(agent.server, lease.id, agent.terms.heartbeat_seconds) as beats:
 
                 def unwanted() -> bool:

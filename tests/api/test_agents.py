@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from geoswarm.api import ApiSettings
@@ -17,9 +19,10 @@ from geoswarm.solver.registered.signed import SignedList, listed
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.service.job_service import JobService
-from tests.api.conftest import API, App, line_problem
+from tests.api.conftest import API, App, line_problem, live_server, wait_until
 from tests.api.operations import OPEN, operations
 from tests.integration.agents import line_model
+from tests.integration.engines import PATIENCE
 
 AGENTS = f"{API}/agents/"
 
@@ -190,6 +193,38 @@ def test_who_waits_again_is_spared_a_look_that_was_just_made(app: App, service: 
     assert app.post(f"{AGENTS}leases", json=asked | {"wait": 0.2}).json() == {"lease": None}
     service.submit(parse_problem(line_problem()))
     assert app.post(f"{AGENTS}leases", json=asked).json()["lease"] is not None
+
+
+def test_a_key_that_is_revoked_meanwhile_gets_no_work(app: App, service: JobService) -> None:
+    app("PUT", f"{AGENTS}models", json=announced())
+    keys = ApiKeys(service.store)
+
+    def revoke() -> None:
+        keys.revoke(next(key.id for key in keys.list() if key.role == "agent"))
+        service.submit(parse_problem(line_problem()))
+
+    timer = threading.Timer(0.5, revoke)
+    timer.start()
+    asked = {"agent": "pc-1", "slot": 1, "wait": 60}
+    assert app.post(f"{AGENTS}leases", json=asked).json() == {"lease": None}
+    timer.join()
+    assert app.post(f"{AGENTS}leases", json=asked).status_code == 401
+
+
+def test_who_signs_off_or_leaves_waits_no_longer(service: JobService) -> None:
+    with live_server(service) as server, httpx.Client(base_url=server.url, timeout=PATIENCE) as client:
+        watch: OpenWorkWatch = server.server.config.app.state.open_work  # type: ignore[union-attr]
+        asked = {"agent": "pc-1", "slot": 0, "wait": 300.0}
+        with ThreadPoolExecutor(1) as pool:
+            client.put(f"{AGENTS}models", json=announced()).raise_for_status()
+            waiting = pool.submit(client.post, f"{AGENTS}leases", json=asked)
+            wait_until(lambda: watch.waiting == 1)
+            assert client.delete(f"{AGENTS}pc-1").status_code == 204
+            assert waiting.result(30.0).json() == {"lease": None}
+        client.put(f"{AGENTS}models", json=announced()).raise_for_status()
+        with pytest.raises(httpx.ReadTimeout):
+            client.post(f"{AGENTS}leases", json=asked, timeout=1.0)
+        wait_until(lambda: watch.waiting == 0)
 
 
 def test_workers_show_slots(app: App, keys: dict[str, str]) -> None:

@@ -66,6 +66,7 @@ def registered_line(evaluations: int, particles: int = 6) -> Problem:
             "observations": [{"series": "y", "points": {"x": [0, 1, 2, 3], "y": [1, 3, 5, 7]}}],
             "method": {"kind": "particle_swarm", "particles": particles, "acceleration": "none"},
             "stopping": {"max_evaluations": evaluations},
+            "answer": {"max_evaluations": "off"},
             "seed": 7,
             "failures": {"retry": {"worker_lost": 1000}},
         }

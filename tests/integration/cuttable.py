@@ -1,4 +1,7 @@
-"""A TCP proxy whose line can be cut: what is open breaks off, and nobody comes through until it is mended."""
+"""A TCP proxy whose line can be cut: what is open breaks off, and nobody comes through until it is mended.
+
+It can also be held: what is sent arrives once it is mended.
+"""
 
 from __future__ import annotations
 
@@ -28,6 +31,8 @@ class CuttableLine:
         self._target = target
         self._cut = False
         self._writers: set[asyncio.StreamWriter] = set()
+        self._flows = asyncio.Event()
+        self._flows.set()
         self._loop = asyncio.new_event_loop()
         self._ready = threading.Event()
         self._done = asyncio.Event()
@@ -37,9 +42,14 @@ class CuttableLine:
         """Break off what is open, and let nobody through."""
         self._loop.call_soon_threadsafe(self._break_off)
 
+    def hold(self) -> None:
+        """Keep back what is sent."""
+        self._loop.call_soon_threadsafe(self._flows.clear)
+
     def mend(self) -> None:
         """Let through again."""
         self._cut = False
+        self._loop.call_soon_threadsafe(self._flows.set)
 
     def _break_off(self) -> None:
         self._cut = True
@@ -81,8 +91,8 @@ class CuttableLine:
             return
         ends = {writer, to_server}
         self._writers |= ends
-        there = asyncio.create_task(_pass_on(reader, to_server))
-        back = asyncio.create_task(_pass_on(from_server, writer))
+        there = asyncio.create_task(self._pass_on(reader, to_server))
+        back = asyncio.create_task(self._pass_on(from_server, writer))
         try:
             with contextlib.suppress(asyncio.CancelledError):
                 await asyncio.wait((there, back), return_when=asyncio.FIRST_COMPLETED)
@@ -93,9 +103,9 @@ class CuttableLine:
             for end in ends:
                 end.transport.abort()
 
-
-async def _pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-    with contextlib.suppress(ConnectionError):
-        while part := await reader.read(ONCE):
-            writer.write(part)
-            await writer.drain()
+    async def _pass_on(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        with contextlib.suppress(ConnectionError):
+            while part := await reader.read(ONCE):
+                await self._flows.wait()
+                writer.write(part)
+                await writer.drain()

@@ -180,11 +180,60 @@ def test_results_wait_on_disk_while_the_service_is_away(tmp_path: Path, monkeypa
         kept = [path.stem for path in (tmp_path / "state").rglob("*.json")]
         assert len(kept) == 1
         run_to_the_end(fleet, client, job_id)
-        assert list((tmp_path / "state").rglob("*.json")) == []
+        wait_for(lambda: not list((tmp_path / "state").rglob("*.json")), "an agent that knows of it", 60.0)
         assert all(code == 0 for code in fleet.stop().values())
         assert_nothing_left(fleet)
     assert [bits[:2] for bits in place.history(job_id)] == [(0, particle) for particle in range(6)]
     assert len({worker for _, worker in place.tries(job_id)}) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_a_service_that_is_down_for_an_hour(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is down for some seconds, and an hour ahead when it is back: for its leases that is the same."""
+    models = line_model(tmp_path / "models", seconds=3.0)
+    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
+    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    with place.running({"api": place.serve(), "agent": place.agent("--slots", "2")}) as (fleet, client):
+        wait_for(lambda: len(place.slots(client)) == 2, "an agent", 600.0)
+        job_id = client.submit(registered_line(24).document()).id
+        wait_for(lambda: all(worker.state == "busy" for worker in client.workers()), "two runs", 300.0)
+        fleet.kill("api")
+        wait_for(lambda: len(list((tmp_path / "state").rglob("*.json"))) == 2, "results on disk", 300.0)
+        fleet.members["api"].environment = an_hour_ahead()
+        run_to_the_end(fleet, client, job_id)
+        assert client.get(job_id).state == "finished"
+        assert fleet.stop() == {"api": 0, "agent": 0}
+        assert_nothing_left(fleet)
+    assert place.history(job_id) == expected_history(line(method=METHOD, stopping={"max_evaluations": 24}))
+    # A slot that comes back earlier may repeat what another one still holds: the result that was kept counts.
+    assert {outcome for outcome, _ in place.tries(job_id)} <= {"finished", "superseded"}
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_a_lease_that_comes_while_an_agent_ends_is_handed_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    models = line_model(tmp_path / "models", seconds=120.0)
+    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
+    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    with CuttableLine(place.port) as cable:
+        agent = place.agent(url=f"http://127.0.0.1:{cable.port}")
+        with place.running({"api": place.serve(), "agent": agent}) as (fleet, client):
+            wait_for(lambda: len(place.slots(client)) == 1, "an agent", 600.0)
+            time.sleep(1.0)  # it waits for work now
+            cable.hold()
+            job_id = client.submit(registered_line(6).document()).id
+            wait_for(lambda: client.workers()[0].state == "busy", "a lease", 300.0)
+            process = fleet.members.pop("agent").process
+            assert process is not None
+            process.terminate()
+            time.sleep(1.0)
+            cable.mend()
+            assert process.wait(60.0) == 0
+            first = client.evaluations(job_id, limit=1).items[0]
+            assert (first.state, first.attempts) == ("pending", 0)
+            assert fleet.stop() == {"api": 0}
+            assert_nothing_left(fleet)
 
 
 def _is_run(pid: int) -> bool:

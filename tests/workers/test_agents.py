@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sqlalchemy import update
 
 from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.forward.registry import built, parse_spec
@@ -26,6 +27,7 @@ from geoswarm.workers.operations.sweep import Sweeper
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
+from geoswarm.workers.store.tables import workers
 from geoswarm.workers.waker import NoWaker
 from tests.workers.conftest import ON_SQLITE, MakeWorker
 from tests.workers.problems import expected_history, line, predicted_tests, recorded_history
@@ -310,6 +312,23 @@ def test_revoking_a_key_ends_its_leases(desk: AgentDesk, service: JobService, st
         desk.beat(view.id, grant.id)
     assert agent.bring(grant) == (False, None)
     assert [worker.id for worker in service.workers()] == []
+
+
+def test_an_agent_that_was_silent_for_hours_is_listed_again(desk: AgentDesk, service: JobService, store: Store) -> None:
+    """A network that is cut for longer than lost workers are listed: the agent itself has never ended."""
+    submitted(service)
+    agent = ByHand(desk)
+    grant = agent.lease(runs=1)
+    assert grant is not None
+    store.write(lambda c: c.execute(update(workers).values(seen_at=0.0, lost_at=0.0)))
+    Sweeper(desk._runtime, NoWaker()).sweep()
+    assert service.workers() == []
+    assert agent.bring(grant, slot=0) == (True, None)  # what it has made meanwhile is accepted
+    with pytest.raises(UnknownAgentError):
+        agent.lease()
+    agent.announce(["formula"])
+    assert agent.lease(runs=1) is not None
+    assert {worker.id: worker.state for worker in service.workers()} == {"hand/0": "busy", "hand/1": "idle"}
 
 
 def test_agents_and_leases_of_a_key_are_limited(store: Store, settings: Settings, service: JobService) -> None:

@@ -122,15 +122,17 @@ class AgentDesk:
         self.store.write(work)
         return Terms(self.settings.heartbeat_seconds, self.settings.lease_seconds, tuple(offers))
 
-    def sign_off(self, key_id: str, agent_id: str) -> None:
-        """Remove an agent that ends; nothing happens when it is not known."""
+    def sign_off(self, key_id: str, agent_id: str) -> bool:
+        """Remove an agent that ends; return whether this key has one of that name."""
 
-        def work(connection: Connection) -> None:
+        def work(connection: Connection) -> bool:
             found = rows.find_agent(connection, agent_id)
-            if found is not None and found.key_id == key_id:
-                rows.forget_agent(connection, agent_id)
+            if found is None or found.key_id != key_id:
+                return False
+            rows.forget_agent(connection, agent_id)
+            return True
 
-        self.store.write(work)
+        return self.store.write(work)
 
     def offers(self, key_id: str, agent_id: str) -> frozenset[str]:
         """Return what an agent runs.

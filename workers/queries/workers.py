@@ -143,8 +143,13 @@ def any_lost_before(connection: Connection, seconds: float) -> bool:
 
 
 def forget_workers_lost_before(connection: Connection, seconds: float) -> None:
-    """Remove workers that were given up longer than this ago [s]."""
-    connection.execute(delete(workers).where(workers.c.lost_at < database_now() - seconds))
+    """Remove workers that were given up longer than this ago [s].
+
+    An agent goes with its slots: one that comes back is asked to announce itself, and is listed again.
+    """
+    lost = workers.c.lost_at < database_now() - seconds
+    connection.execute(delete(agents).where(agents.c.id.in_(select(workers.c.agent).where(lost))))
+    connection.execute(delete(workers).where(lost))
 
 
 def list_workers(connection: Connection, lease: float) -> Sequence[Record]:
