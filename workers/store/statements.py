@@ -14,7 +14,7 @@ from typing import Any
 from sqlalchemy import Connection, Insert, Select, Table, Update, bindparam, insert, update
 from sqlalchemy.exc import DBAPIError
 
-__all__ = ["Statement", "change", "enter"]
+__all__ = ["Statement", "change", "commit", "enter"]
 
 MANY = 50  # rows
 CURSOR, PREPARED = "cursor", "prepared"  # of a connection, for all statements
@@ -86,6 +86,22 @@ class Statement:
             fixed = {name: value for name, value in compiled.params.items() if value is not None}
             self._compiled[key] = (str(compiled), fixed, compiled.positiontup if compiled.positional else None)
         return self._compiled[key]
+
+
+def commit(connection: Connection) -> None:
+    """Commit by libpq where it executed statements; SQLAlchemy then finds that nothing is left to commit.
+
+    Raises
+    ------
+    sqlalchemy.exc.DBAPIError
+    """
+    prepared = connection.connection.info.get(PREPARED)
+    if prepared is None:
+        return
+    try:
+        prepared.commit()
+    except connection.dialect.loaded_dbapi.Error as error:
+        raise _of_sqlalchemy(connection, "COMMIT", (), error) from error
 
 
 @cache
