@@ -286,7 +286,7 @@ class ParticleSwarm:
         led = np.isfinite(self._best_objective[informants])
         position, velocity = np.empty_like(before), np.empty_like(before)
         position[led], velocity[led] = self._moved(led, informants[led], list(compress(randoms, led)))
-        for i in np.flatnonzero(~led):
+        for i in np.flatnonzero(~led).tolist():
             position[i], velocity[i] = self._draw(randoms[i], None)
         self._position, self._velocity = position, velocity
         if self._proposer is not None and runs is not None:
@@ -348,7 +348,8 @@ class ParticleSwarm:
         if self._settings.topology == "global":
             return np.full(n, np.argmin(self._best_objective))
         neighbours = np.sort((np.arange(n)[:, None] + [-1, 0, 1]) % n, axis=1)
-        return neighbours[np.arange(n), np.argmin(self._best_objective[neighbours], axis=1)]
+        best: IntArray = neighbours[np.arange(n), np.argmin(self._best_objective[neighbours], axis=1)]
+        return best
 
     def _draw(self, random: np.random.Generator, initial: FloatArray | None) -> tuple[FloatArray, FloatArray]:
         """Draw a feasible position and a velocity: half the way to another random point (Clerc's SPSO 2007)."""
@@ -373,7 +374,7 @@ class ParticleSwarm:
         velocity = self._limit(inertia * v + cognitive * r1 * (p - x) + social * r2 * (g - x))
         position = x + velocity
         outside = (position < self._space.search_lower) | (position > self._space.search_upper)
-        for i in np.flatnonzero(outside.any(axis=1)):
+        for i in np.flatnonzero(outside.any(axis=1)).tolist():
             position[i], velocity[i] = self._keep_inside(position[i], velocity[i], randoms[i])
         for i, natural in enumerate(self._space.to_natural(position)):
             if not self._space.feasible(natural):
