@@ -168,8 +168,9 @@ class Store:
 
     def close(self) -> None:
         """Close all connections."""
-        while self._kept:
-            self._kept.pop().close()
+        while (connection := self._take_kept()) is not None:
+            connection.invalidate()
+            connection.close()
         self.engine.dispose()
 
     def _run(self, function: Callable[[Connection], Result], *, write: bool) -> Result:
@@ -181,6 +182,8 @@ class Store:
             except DBAPIError as error:
                 if attempt == RETRIES or not _worth_retrying(error, attempt):
                     raise self._unavailable(error) from error
+                if error.connection_invalidated:
+                    self.close()  # what cut one connection has cut the others
             except SQLAlchemyError as error:
                 raise self._unavailable(error) from error
         raise StoreUnavailableError(f"database {mask_url(self.url)} is busy")
@@ -191,10 +194,7 @@ class Store:
 
     def _write(self, function: Callable[[Connection], Result]) -> Result:
         """Run it on the connection that is kept for this, as the pool takes as long for one as two statements."""
-        try:
-            connection = self._kept.pop()
-        except IndexError:
-            connection = self._writer.connect()
+        connection = self._take_kept() or self._writer.connect()
         try:
             with connection.begin():
                 result = function(connection)
@@ -207,6 +207,12 @@ class Store:
         else:
             self._kept.append(connection)
         return result
+
+    def _take_kept(self) -> Connection | None:
+        try:
+            return self._kept.pop()
+        except IndexError:
+            return None
 
     def _unavailable(self, error: Exception) -> StoreUnavailableError:
         cause = error.orig if isinstance(error, DBAPIError) and error.orig is not None else error
