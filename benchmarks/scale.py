@@ -142,7 +142,6 @@ class Load:
         self.tally = Tally()
         self.under_way: dict[object, float] = {}
         self.held: dict[str, Claim] = {}
-        self.locks = LockTimes(runtime.store)
         self.pool = ThreadPoolExecutor(threads, "exchange")
         self.template = np.zeros(READINGS)
         self.random = np.random.default_rng(1)
@@ -250,7 +249,7 @@ class Server(PostgresWork):
         self.connection.close()
 
 
-async def measure(load: Load, server: Server, warm: float, window: float) -> dict[str, float]:
+async def measure(load: Load, locks: LockTimes, server: Server, warm: float, window: float) -> dict[str, float]:
     """Run the load; return what one line of the table says."""
     numbers = itertools.count()
     tasks = [asyncio.create_task(load.worker(next(numbers), job)) for job in load.jobs for _ in range(job.workers)]
@@ -258,14 +257,14 @@ async def measure(load: Load, server: Server, warm: float, window: float) -> dic
     await asyncio.sleep(warm)
     own = psutil.Process()
     server.waiting.clear()
-    load.locks.seconds.clear()
+    locks.seconds.clear()
     wal, cpu, mine = server.wal(), server.seconds(), sum(own.cpu_times()[:2])
     tally = load.tally = Tally(open=True, began=time.perf_counter(), under_way=load.under_way)
     await asyncio.sleep(window)
     tally.close()
     elapsed = time.perf_counter() - tally.began
     wal, cpu, mine = server.wal() - wal, server.seconds() - cpu, sum(own.cpu_times()[:2]) - mine
-    locked = list(load.locks.seconds)
+    locked = list(locks.seconds)
     for task in (*tasks, beating):
         task.cancel()
     await asyncio.gather(*tasks, beating, return_exceptions=True)
@@ -291,8 +290,8 @@ async def measure(load: Load, server: Server, warm: float, window: float) -> dic
 @contextmanager
 def case(
     server: PostgresServer, workers: int, jobs: int, particles: int, options: argparse.Namespace, seconds: float
-) -> Iterator[tuple[Load, str]]:
-    """A database with jobs, and workers for them; the URL of it."""
+) -> Iterator[tuple[Load, LockTimes, str]]:
+    """A database with jobs, and workers for them; how long jobs are locked, and the URL of the database."""
     url = server.create_database()
     settings = Settings(database_url=url, workers=1)
     store = Store(settings)
@@ -302,13 +301,14 @@ def case(
     ids = [service.submit(parse_problem(problem(particles or max(share, 2))))[0].id for _ in range(count)]
     made = [Job(store, job_id, share) for job_id in ids]
     load = Load(Runtime(store, settings), made, seconds, options.spread, options.threads, alone=options.alone)
+    locks = LockTimes(store)
     sweeper = Sweeper(load.runtime, NoWaker())
     sweeper.start()
     try:
-        yield load, url
+        yield load, locks, url
     finally:
         sweeper.stop()
-        load.locks.close()
+        locks.close()
         load.pool.shutdown(wait=True, cancel_futures=True)
         store.close()
         server.drop_database(url)
@@ -333,7 +333,6 @@ def costs(server: PostgresServer, together: list[int]) -> None:
             watch = Server(url, server.pid)
             load = Load(runtime, [job], 60.0, 0.0, 1)
             names = [f"simulated-{number}" for number in range(size)]
-            load.locks.close()  # they would be part of what is measured
             submissions = [Submission() for _ in names]
             rounds = max(20, 1000 // size)
             for _ in range(rounds // 2):  # until statements are prepared, and it is known what a run costs
@@ -407,11 +406,11 @@ def main() -> None:
         ):
             if workers < jobs and jobs > 1:
                 continue
-            with case(server, workers, jobs, particles, options, seconds) as (load, url):
+            with case(server, workers, jobs, particles, options, seconds) as (load, locks, url):
                 assert server.pid is not None
                 watch = Server(url, server.pid)
                 warm = max(3.0, 1.5 * seconds)
-                found = asyncio.run(measure(load, watch, warm, max(options.window, 2.0 * seconds)))
+                found = asyncio.run(measure(load, locks, watch, warm, max(options.window, 2.0 * seconds)))
                 watch.close()
                 lost, agree = accounts(load.runtime.store)
             print(

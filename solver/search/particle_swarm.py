@@ -15,13 +15,15 @@ With position x, velocity v, personal best p, neighbourhood best g, r1 and r2 un
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import Literal
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.search.acceleration import Proposer, ProposerState
 from geoswarm.solver.search.base import Snapshot
 from geoswarm.solver.search.descent.ending import Ending
@@ -279,15 +281,14 @@ class ParticleSwarm:
         if particles is not None:
             self._resize(particles)
         self.generation += 1
-        before = self._position
-        self._position, self._velocity = before.copy(), self._velocity.copy()
-        informants = [self._informant(i) for i in range(len(before))]
-        for i, informant in enumerate(informants):
-            random = particle_generator(self._seed, self.generation, i)
-            if math.isfinite(self._best_objective[informant]):
-                self._position[i], self._velocity[i] = self._move(i, self._best_position[informant], random)
-            else:
-                self._position[i], self._velocity[i] = self._draw(random, None)
+        before, informants = self._position, self._informants()
+        randoms = [particle_generator(self._seed, self.generation, i) for i in range(len(before))]
+        led = np.isfinite(self._best_objective[informants])
+        position, velocity = np.empty_like(before), np.empty_like(before)
+        position[led], velocity[led] = self._moved(led, informants[led], list(compress(randoms, led)))
+        for i in np.flatnonzero(~led).tolist():
+            position[i], velocity[i] = self._draw(randoms[i], None)
+        self._position, self._velocity = position, velocity
         if self._proposer is not None and runs is not None:
             worst_first = np.argsort(-self._best_objective, kind="stable").astype(np.int64)
             aimed = self._proposer.propose(self.generation, self._position, worst_first, runs, pending)
@@ -341,14 +342,14 @@ class ParticleSwarm:
                 self._position[i], self._velocity[i] = self._draw(random, None)
             taken.add(self._space.to_natural(self._position[i]).tobytes())
 
-    def _informant(self, particle: int) -> int:
-        """Index of the best personal best in the neighbourhood of a particle; the lowest index of equal ones."""
+    def _informants(self) -> IntArray:
+        """Index of the best personal best in the neighbourhood of each particle; the lowest index of equal ones."""
         n = len(self._best_objective)
         if self._settings.topology == "global":
-            neighbours = np.arange(n)
-        else:
-            neighbours = np.unique([(particle - 1) % n, particle, (particle + 1) % n])
-        return int(neighbours[np.argmin(self._best_objective[neighbours])])
+            return np.full(n, np.argmin(self._best_objective))
+        neighbours = np.sort((np.arange(n)[:, None] + [-1, 0, 1]) % n, axis=1)
+        best: IntArray = neighbours[np.arange(n), np.argmin(self._best_objective[neighbours], axis=1)]
+        return best
 
     def _draw(self, random: np.random.Generator, initial: FloatArray | None) -> tuple[FloatArray, FloatArray]:
         """Draw a feasible position and a velocity: half the way to another random point (Clerc's SPSO 2007)."""
@@ -361,30 +362,39 @@ class ParticleSwarm:
         largest = self._settings.max_velocity * (self._space.search_upper - self._space.search_lower)
         return np.clip(velocity, -largest, largest)
 
-    def _move(self, particle: int, attractor: FloatArray, random: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-        """Return the new position and velocity of one particle, both of shape (d,)."""
-        x, v, p = self._position[particle], self._velocity[particle], self._best_position[particle]
+    def _moved(
+        self, which: BoolArray, informants: IntArray, randoms: Sequence[np.random.Generator]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return new positions and velocities of some particles, both of shape (k, d), in the order of ``which``."""
+        x, v, p = self._position[which], self._velocity[which], self._best_position[which]
+        g = self._best_position[informants]
         inertia, cognitive, social = self._settings.weights
-        r1, r2 = random.random(x.size), random.random(x.size)
-        velocity = self._limit(inertia * v + cognitive * r1 * (p - x) + social * r2 * (attractor - x))
-        position, velocity = self._keep_inside(x + velocity, velocity, random)
-        if self._space.is_feasible(position):
-            return position, velocity
-        step = position - x
+        drawn = np.array([random.random((2, x.shape[1])) for random in randoms]).reshape(-1, 2, x.shape[1])
+        r1, r2 = drawn[:, 0], drawn[:, 1]
+        velocity = self._limit(inertia * v + cognitive * r1 * (p - x) + social * r2 * (g - x))
+        position = x + velocity
+        outside = (position < self._space.search_lower) | (position > self._space.search_upper)
+        for i in np.flatnonzero(outside.any(axis=1)).tolist():
+            position[i], velocity[i] = self._keep_inside(position[i], velocity[i], randoms[i])
+        for i, natural in enumerate(self._space.to_natural(position)):
+            if not self._space.feasible(natural):
+                position[i], velocity[i] = self._shortened(x[i], position[i] - x[i])
+        return position, velocity
+
+    def _shortened(self, start: FloatArray, step: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Halve a step to an infeasible position until one is feasible; return that, and the step, or stay."""
         for _ in range(_HALVINGS):
-            step *= 0.5
-            if self._space.is_feasible(x + step):
-                return x + step, step
-        return x.copy(), np.zeros_like(x)
+            step = 0.5 * step
+            if self._space.is_feasible(start + step):
+                return start + step, step
+        return start, np.zeros_like(start)
 
     def _keep_inside(
         self, position: FloatArray, velocity: FloatArray, random: np.random.Generator
     ) -> tuple[FloatArray, FloatArray]:
-        """Treat the components that left the bounds as ``boundary`` says."""
+        """Treat the components of a particle that left the bounds as ``boundary`` says."""
         lower, upper = self._space.search_lower, self._space.search_upper
         outside = (position < lower) | (position > upper)
-        if not outside.any():
-            return position, velocity
         if self._settings.boundary == "reflect":
             mirrored = np.where(position < lower, 2.0 * lower - position, 2.0 * upper - position)
             position = np.where(outside, mirrored, position)

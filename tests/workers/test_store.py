@@ -7,15 +7,21 @@ from pathlib import Path
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from sqlalchemy import create_engine, inspect, literal, select, text
+from sqlalchemy import Connection, create_engine, func, inspect, literal, select, text
 
 from geoswarm.workers.errors import StoreUnavailableError
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.clock import database_now
-from geoswarm.workers.store.statements import Statement
-from geoswarm.workers.store.tables import metadata
+from geoswarm.workers.store.statements import Statement, enter
+from geoswarm.workers.store.tables import metadata, turns
 from tests.servers import free_port
+
+CUT = text(
+    "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database()"
+    " AND pid <> pg_backend_pid()"
+)
+"""Ends the connections of others."""
 
 
 @pytest.fixture
@@ -108,16 +114,66 @@ def test_a_cut_connection_is_replaced(fresh_postgres_url: str) -> None:
     store = Store(Settings(database_url=fresh_postgres_url))
     killer = Store(Settings(database_url=fresh_postgres_url))
     seven = Statement(select(literal(7).label("seven")))
-    cut = text(
-        "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = current_database()"
-        " AND pid <> pg_backend_pid()"
-    )
     for ask in (lambda c: c.scalar(text("SELECT 7")), lambda c: seven.rows(c, {})[0].seven):
         store.ping()
-        killer.write(lambda connection: connection.execute(cut))
+        killer.write(lambda connection: connection.execute(CUT))
         assert store.read(ask) == 7
     store.close()
     killer.close()
+
+
+def test_all_connections_that_were_cut_are_replaced(fresh_postgres_url: str) -> None:
+    """A store keeps one to write with beside those that have read; when the server restarts, all are dead."""
+    store, killer = (Store(Settings(database_url=fresh_postgres_url)) for _ in range(2))
+    both = threading.Barrier(2)
+    seven = Statement(select(literal(7).label("seven")))
+
+    def read(connection: Connection) -> None:
+        both.wait(60.0)
+        connection.execute(text("SELECT 7"))
+
+    threads = [threading.Thread(target=store.read, args=(read,)) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for ask in (store.write, store.read):
+        store.write(lambda c: c.execute(text("SELECT 7")))
+        store.ping()
+        killer.write(lambda c: c.execute(CUT))
+        assert ask(lambda c: seven.rows(c, {})[0].seven) == 7
+    store.close()
+    killer.close()
+
+
+def test_writes_follow_each_other_on_one_connection_until_one_fails(fresh_postgres_url: str) -> None:
+    store = Store(Settings(database_url=fresh_postgres_url))
+    backend = Statement(select(func.pg_backend_pid().label("pid")))
+
+    def write(connection: Connection, fail: bool = False) -> int:
+        if fail:
+            raise ZeroDivisionError
+        return int(backend.rows(connection, {})[0].pid)
+
+    first = store.write(write)
+    assert store.write(write) == first
+    assert store.write(lambda _: store.write(write)) != first  # while that one is busy
+    with pytest.raises(ZeroDivisionError):
+        store.write(lambda connection: write(connection, fail=True))
+    assert isinstance(store.write(write), int)
+    store.close()
+
+
+def test_what_the_commit_refuses_is_undone_and_said(fresh_postgres_url: str) -> None:
+    store = Store(Settings(database_url=fresh_postgres_url))
+    once = text("ALTER TABLE turns ADD CONSTRAINT once UNIQUE (served_at) DEFERRABLE INITIALLY DEFERRED")
+    store.write(lambda c: c.execute(once))
+    rows = [{"line": line, "served_at": 1.0} for line in "ab"]
+    with pytest.raises(StoreUnavailableError, match=r"(?i)unique"):
+        store.write(lambda c: enter(c, turns, rows))
+    store.write(lambda c: enter(c, turns, rows[:1]))
+    assert store.read(lambda c: c.execute(select(turns.c.line)).scalars().all()) == ["a"]
+    store.close()
 
 
 def test_writers_wait_for_each_other_instead_of_failing(store: Store) -> None:

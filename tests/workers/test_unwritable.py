@@ -11,7 +11,7 @@ from typing import Any
 
 import psycopg
 import pytest
-from sqlalchemy import event
+from sqlalchemy import Connection, event
 
 from geoswarm.workers.coordinator.work import Exchange, Submission
 from geoswarm.workers.errors import StoreUnavailableError
@@ -35,15 +35,18 @@ class Switch:
         self.kind = kind
         self.broken = False
         if store.engine.dialect.name == "sqlite":
-            event.listen(store.engine, "checkout", self._prepare)
+            event.listen(store.engine, "begin", lambda connection: self._prepare(connection, self.broken))
+            for end in ("commit", "rollback"):  # the next transaction begins before it can be prepared
+                event.listen(store.engine, end, lambda connection: self._prepare(connection, False))
 
-    def _prepare(self, connection: Any, _record: Any, _proxy: Any) -> None:
-        cursor = connection.cursor()
+    def _prepare(self, connection: Connection, broken: bool) -> None:
+        cursor = connection.connection.cursor()
         if self.kind == "full":
-            pages = cursor.execute("PRAGMA page_count").fetchone()[0]
-            cursor.execute(f"PRAGMA max_page_count = {pages if self.broken else 2**30}")
+            cursor.execute("PRAGMA page_count")
+            pages = cursor.fetchone()[0]
+            cursor.execute(f"PRAGMA max_page_count = {pages if broken else 2**30}")
         else:
-            cursor.execute(f"PRAGMA query_only = {'ON' if self.broken else 'OFF'}")
+            cursor.execute(f"PRAGMA query_only = {'ON' if broken else 'OFF'}")
 
     def turn(self, broken: bool) -> None:
         self.broken = broken

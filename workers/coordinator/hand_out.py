@@ -47,7 +47,8 @@ class HandOut:
         if len(self._pending) < min(most, self.left):
             self._pending.extend(self.rows.read_unclaimed(most - len(self._pending)))
         # Those that it holds already: the answer to an earlier claim was lost.
-        for cell in heapq.merge(tuple(self._held[worker]), self._pending, key=lambda c: c.particle):
+        held = tuple(self._held[worker])
+        for cell in heapq.merge(held, self._pending, key=lambda c: c.particle) if held else self._pending:
             if len(chosen) == most:
                 break
             before = cell.status

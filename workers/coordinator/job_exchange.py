@@ -383,7 +383,7 @@ class JobExchange:
             generation=rows.generation,
             particles=tuple(cell.particle for cell in cells),
             attempts=tuple(cell.status.attempts for cell in cells),
-            positions=np.array([unpack_array(cell.parameters) for cell in cells]),
+            positions=unpack_array(b"".join(cell.parameters for cell in cells)).reshape(len(cells), -1),
             now=self.locked.now,
             run_seconds=self.locked.run_seconds(self.settings.lease_seconds),
             job=self.job if whole else None,

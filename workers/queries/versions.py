@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 from sqlalchemy import Connection, update
 
@@ -25,24 +26,40 @@ def note_versions(
     connection: Connection, locked: LockedJob, calculating: Mapping[str, Mapping[str, str] | None]
 ) -> None:
     """Record with a job under which versions workers calculate, None: those of this process; warn of new ones."""
+    recorded = locked.row.versions
+    sets = {worker: versions() if found is None else found for worker, found in calculating.items()}
+    new = {worker: dict(own) for worker, own in sets.items() if not _is_recorded(recorded, frozenset(own.items()))}
+    if not new:
+        return
     known = recorded_versions(locked.row)
-    before = len(known)
-    for worker, found in calculating.items():
-        own = dict(versions() if found is None else found)
-        if own in known or any(other is not None and not differences(other, own) for other in known):
+    for worker, own in new.items():
+        if _is_among(known, own):
             continue
         known.append(own)
         message = version_warnings([known[0], own])[0]
         log.warning("job %s: %s", locked.id, message, extra={"job": locked.id, "worker": worker})
         data = pack_json({"recorded": known[0], "found": own, "worker": worker, "message": message})
         insert_events(connection, [{"job_id": locked.id, "kind": "versions", "data": data, "created_at": locked.now}])
-    if len(known) > before:
-        connection.execute(update(jobs).where(jobs.c.id == locked.id).values(versions=pack_json(known)))
+    connection.execute(update(jobs).where(jobs.c.id == locked.id).values(versions=pack_json(known)))
+
+
+@lru_cache(maxsize=256)
+def _is_recorded(recorded: str | None, own: frozenset[tuple[str, str]]) -> bool:
+    """Whether a set of versions needs no entry in ``versions`` of a job's row: each exchange asks this."""
+    return _is_among(_unpacked(recorded), dict(own))
+
+
+def _is_among(known: Sequence[Versions | None], own: Versions) -> bool:
+    return own in known or any(other is not None and not differences(other, own) for other in known)
 
 
 def recorded_versions(row: Record) -> list[Versions | None]:
     """Return what is recorded with a job; the first is None when it is not begun or an older program began it."""
-    return [None] if row.versions is None else unpack_json(row.versions)
+    return _unpacked(row.versions)
+
+
+def _unpacked(recorded: str | None) -> list[Versions | None]:
+    return [None] if recorded is None else unpack_json(recorded)
 
 
 def version_warnings(recorded: Sequence[Versions | None]) -> list[str]:

@@ -28,6 +28,7 @@ __all__ = [
 RAW = b"\x00"
 DEFLATED = b"\x01"
 WORTH_DEFLATING = 4096  # bytes; smaller ones cost more time than they save
+ENCODER = json.JSONEncoder(allow_nan=False, separators=(",", ":"))
 
 
 def clean_text(text: str) -> str:
@@ -51,7 +52,7 @@ def pack_json(value: Any) -> str:
     ValueError
         When a number is NaN or infinite.
     """
-    return json.dumps(value, allow_nan=False, separators=(",", ":"))
+    return ENCODER.encode(value)
 
 
 def unpack_json(text: str) -> Any:
@@ -75,7 +76,7 @@ def unpack_problem(text: str, stopping: str | None = None) -> dict[str, Any]:
 
 def pack_responses(responses: Mapping[str, FloatArray]) -> bytes:
     """Return a mark, the lengths by series as one JSON line, and the float64 values, deflated when that pays."""
-    header = json.dumps({name: len(values) for name, values in responses.items()}, separators=(",", ":"))
+    header = pack_json({name: len(values) for name, values in responses.items()})
     body = header.encode() + b"\n" + b"".join(pack_array(values) for values in responses.values())
     if len(body) < WORTH_DEFLATING:
         return RAW + body

@@ -18,6 +18,7 @@ from geoswarm.workers.settings import Settings, mask_url
 from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.file import DatabaseFile, FileIdentity, database_path
 from geoswarm.workers.store.migrate import upgrade
+from geoswarm.workers.store.statements import commit
 
 __all__ = ["Record", "Store"]
 
@@ -52,6 +53,7 @@ class Store:
         self.url = settings.database_url
         path = database_path(settings)
         self._file = None if path is None else DatabaseFile(path, file)
+        self._kept: list[Connection] = []
         self._size: tuple[float, int] | None = None  # when it was asked for, and the answer
         if self._file is not None:
             self._file.check()
@@ -166,6 +168,9 @@ class Store:
 
     def close(self) -> None:
         """Close all connections."""
+        while (connection := self._take_kept()) is not None:
+            connection.invalidate()
+            connection.close()
         self.engine.dispose()
 
     def _run(self, function: Callable[[Connection], Result], *, write: bool) -> Result:
@@ -173,14 +178,41 @@ class Store:
             if self._file is not None:
                 self._file.check()
             try:
-                with (self._writer if write else self._reader).begin() as connection:
-                    return function(connection)
+                return self._write(function) if write else self._read(function)
             except DBAPIError as error:
                 if attempt == RETRIES or not _worth_retrying(error, attempt):
                     raise self._unavailable(error) from error
+                if error.connection_invalidated:
+                    self.close()  # what cut one connection has cut the others
             except SQLAlchemyError as error:
                 raise self._unavailable(error) from error
         raise StoreUnavailableError(f"database {mask_url(self.url)} is busy")
+
+    def _read(self, function: Callable[[Connection], Result]) -> Result:
+        with self._reader.begin() as connection:
+            return function(connection)
+
+    def _write(self, function: Callable[[Connection], Result]) -> Result:
+        """Run it on the connection that is kept for this, as the pool takes as long for one as two statements."""
+        connection = self._take_kept() or self._writer.connect()
+        try:
+            with connection.begin():
+                result = function(connection)
+                commit(connection)
+        except BaseException:
+            connection.close()
+            raise
+        if self._kept:
+            connection.close()
+        else:
+            self._kept.append(connection)
+        return result
+
+    def _take_kept(self) -> Connection | None:
+        try:
+            return self._kept.pop()
+        except IndexError:
+            return None
 
     def _unavailable(self, error: Exception) -> StoreUnavailableError:
         cause = error.orig if isinstance(error, DBAPIError) and error.orig is not None else error

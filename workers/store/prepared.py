@@ -57,6 +57,17 @@ class PreparedStatements:
         self._values.set_pgresult(result)
         return self._values.load_rows(0, result.ntuples, tuple), result.ntuples
 
+    def commit(self) -> None:
+        """Commit what they have done; the connection then is in no transaction.
+
+        Raises
+        ------
+        psycopg.Error
+        """
+        libpq = self._connection.pgconn
+        if libpq.transaction_status == TransactionStatus.INTRANS:
+            self._checked(libpq.exec_(b"COMMIT"))
+
     def _checked(self, result: PGresult) -> PGresult:
         if result.status in (ExecStatus.TUPLES_OK, ExecStatus.COMMAND_OK):
             return result

@@ -14,7 +14,7 @@ from typing import Any
 from sqlalchemy import Connection, Insert, Select, Table, Update, bindparam, insert, update
 from sqlalchemy.exc import DBAPIError
 
-__all__ = ["Statement", "change", "enter"]
+__all__ = ["Statement", "change", "commit", "enter"]
 
 MANY = 50  # rows
 CURSOR, PREPARED = "cursor", "prepared"  # of a connection, for all statements
@@ -52,24 +52,22 @@ class Statement:
 
     def _execute(self, connection: Connection, given: Sequence[Mapping[str, Any]]) -> tuple[Sequence[Any], int]:
         """Return the rows and the number of rows written."""
-        dialect = connection.dialect
+        dialect, kept = connection.dialect, connection.connection.info  # what is kept with a connection goes with it
         prepared = dialect.name == "postgresql" and len(given) == 1
         text, fixed, order = self._compile(_numbered() if prepared else dialect)
-        values: list[Any] = [{**fixed, **one} for one in given]
+        values: Sequence[Any] = [{**fixed, **one} for one in given] if fixed else given
         if order is not None:
             values = [[one[name] for name in order] for one in values]
-        fairy: Any = connection.connection
-        driver, kept = fairy.driver_connection, fairy.info  # what is kept with a connection goes with it
         try:
             if prepared:
                 if PREPARED not in kept:
                     from geoswarm.workers.store.prepared import PreparedStatements  # nobody else needs the driver
 
-                    kept[PREPARED] = PreparedStatements(driver)
+                    kept[PREPARED] = PreparedStatements(_driver(connection))
                 answer: tuple[Sequence[Any], int] = kept[PREPARED].execute(text, values[0])
                 return answer
             if CURSOR not in kept:
-                kept[CURSOR] = driver.cursor()
+                kept[CURSOR] = _driver(connection).cursor()
             cursor = kept[CURSOR]
             if len(values) == 1:
                 cursor.execute(text, values[0])
@@ -86,6 +84,26 @@ class Statement:
             fixed = {name: value for name, value in compiled.params.items() if value is not None}
             self._compiled[key] = (str(compiled), fixed, compiled.positiontup if compiled.positional else None)
         return self._compiled[key]
+
+
+def commit(connection: Connection) -> None:
+    """Commit by libpq where it executed statements; SQLAlchemy then finds that nothing is left to commit.
+
+    Raises
+    ------
+    sqlalchemy.exc.DBAPIError
+    """
+    prepared = connection.connection.info.get(PREPARED)
+    if prepared is None:
+        return
+    try:
+        prepared.commit()
+    except connection.dialect.loaded_dbapi.Error as error:
+        raise _of_sqlalchemy(connection, "COMMIT", (), error) from error
+
+
+def _driver(connection: Connection) -> Any:
+    return connection.connection.driver_connection
 
 
 @cache
@@ -127,10 +145,9 @@ def _insert(table: Table, names: tuple[str, ...], count: int) -> Statement:
 
 
 def _copy(connection: Connection, table: Table, names: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> None:
-    driver: Any = connection.connection.driver_connection
     text = f"COPY {table.name} ({', '.join(names)}) FROM STDIN"
     try:
-        with driver.cursor() as cursor, cursor.copy(text) as copy:
+        with _driver(connection).cursor() as cursor, cursor.copy(text) as copy:
             for row in rows:
                 copy.write_row([row[name] for name in names])
     except connection.dialect.loaded_dbapi.Error as error:
@@ -140,7 +157,7 @@ def _copy(connection: Connection, table: Table, names: Sequence[str], rows: Sequ
 def _of_sqlalchemy(connection: Connection, text: str, values: Any, error: Any) -> DBAPIError:
     """Return what SQLAlchemy makes of an error of the driver."""
     dialect = connection.dialect
-    dead = dialect.is_disconnect(error, connection.connection.driver_connection, None)
+    dead = dialect.is_disconnect(error, _driver(connection), None)
     if dead:
         connection.invalidate(error)
     kind = dialect.loaded_dbapi.Error

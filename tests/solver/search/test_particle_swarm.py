@@ -70,14 +70,14 @@ def test_ties_of_the_best_go_to_the_lowest_index() -> None:
     swarm = ParticleSwarm(box(2), SwarmSettings(particles=4), seed=1)
     first = np.array(swarm.snapshot()["position"])
     swarm.tell(np.array([2.0, 1.0, 1.0, 1.0]))
-    assert swarm._informant(0) == 1
+    assert swarm._informants()[0] == 1
     assert swarm.snapshot()["best_position"] == first.tolist()
 
 
 def test_ring_knows_only_the_neighbours() -> None:
     swarm = ParticleSwarm(box(2), SwarmSettings(particles=6, topology="ring"), seed=1)
     swarm.tell(np.array([0.0, 5.0, 4.0, 3.0, 2.0, 1.0]))
-    assert [swarm._informant(i) for i in range(6)] == [0, 0, 3, 4, 5, 0]
+    assert swarm._informants().tolist() == [0, 0, 3, 4, 5, 0]
 
 
 def _scattered(positions: FloatArray, generation: int) -> FloatArray:
