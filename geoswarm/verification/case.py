@@ -9,7 +9,7 @@ A case is a function that calculates, with its declaration before it::
         given="λ* = 0.1, κ* = 0.02, μ* = 0.005",
         source="Vermeer & Neher (1999), integrated at constant strain",
         reference="p = p₀ (1 + λ* t/(κ* τ))^(−μ*/λ*)",
-        allowed="errors of the steps in time, which the tolerance of the driver bounds",
+        allowed="time integration errors, bounded by the tolerance of the driver",
     )
     def relaxation() -> Answer: ...
 

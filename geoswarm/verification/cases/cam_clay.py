@@ -40,11 +40,11 @@ def _isotropic(p: float, soil: Soil) -> PointState:
 @case(
     "cam-clay-undrained",
     "Undrained path of modified Cam clay",
-    shows="Compression from 100 kPa all round with overconsolidation ratios of 1, 1.5 and 4, to the critical state.",
+    shows="Compression from isotropic 100 kPa with overconsolidation ratios of 1, 1.5 and 4, to the critical state.",
     given="M = 0.95, λ = 0.2, κ = 0.04, e₀ = 1.1, ν = 0.3",
     source=f"{WOOD}, section 5.4; Roscoe & Burland (1968)",
     reference="p = p₀ up to yield, then p ((M² + η²)/M²)^Λ constant, Λ = 1 − κ/λ; end p = p₀ (OCR/2)^Λ, q = M p",
-    allowed="errors of the steps, which the tolerance of 1e-8 of strain bounds",
+    allowed="integration errors, bounded by the tolerance of 1e-8 of strain",
 )
 def undrained() -> Answer:
     """Stress paths."""
@@ -67,11 +67,11 @@ def undrained() -> Answer:
 @case(
     "cam-clay-drained",
     "Drained compression of modified Cam clay",
-    shows="From 80 kPa all round, normally consolidated and with OCR 1.4: strains over the stress path.",
+    shows="From an isotropic stress of 80 kPa, normally consolidated and with OCR 1.4: strains over the stress path.",
     given="M = 0.95, λ = 0.2, κ = 0.04, e₀ = 1.1, ν = 0.3",
     source=f"{WOOD}, chapter 5: rate equations",
     reference="quadrature of elastic and plastic strain rates over p along q = 3 (p − p₀)",
-    allowed="errors of the steps, which the tolerance of 1e-9 of strain bounds",
+    allowed="integration errors, bounded by the tolerance of 1e-9 of strain",
 )
 def drained() -> Answer:
     """Stress and volume over strain."""
@@ -127,7 +127,7 @@ def softening() -> Answer:
     given="M = 1, λ = 0.2, κ = 0.04, e₀ = 1, ν = 0.25, vertical stress 100 kPa",
     source=f"{WOOD}, section 5.4, with the stress sheared purely",
     reference="τ = M p_f/√3, σ_v = p_f = p₀ (p_c/(2 p₀))^Λ",
-    allowed="what is left to the critical state after 90 % of shear strain",
+    allowed="remaining distance from the critical state after 90 % of shear strain",
 )
 def sheared() -> Answer:
     """Shear stress over strain, and its end."""
@@ -191,11 +191,11 @@ def soft_soil_lines() -> Answer:
 @case(
     "soft-soil-oedometer",
     "Soft soil: one-dimensional compression and stress ratio at rest",
-    shows="Loads from 50 to 400 kPa, then 300 kPa: slope λ*, the stress ratio K0nc as asked for, elastic swelling.",
+    shows="Loads from 50 to 400 kPa, then 300 kPa: slope λ*, the given stress ratio K0nc, elastic swelling.",
     given="λ* = 0.11, κ* = 0.02, ν = 0.15, φ = 28°, c = 0, K0nc = 0.45 and 0.6",
     source=BRINKGREVE,
     reference="ε = λ* ln(σ_v/σ_v0), σ_h = K0nc σ_v; unloading dσ_h = ν/(1 − ν) dσ_v",
-    allowed="errors of the steps, which the tolerance of 1e-8 of strain bounds",
+    allowed="integration errors, bounded by the tolerance of 1e-8 of strain",
 )
 def soft_soil_oedometer() -> Answer:
     """Stress path and strain."""
@@ -218,11 +218,11 @@ def soft_soil_oedometer() -> Answer:
 @case(
     "cam-clay-at-rest",
     "Stress ratio at rest of modified Cam clay",
-    shows="One-dimensional compression from 20 kPa all round, for four slopes M: the ratio in the end.",
+    shows="One-dimensional compression from an isotropic stress of 20 kPa, for four slopes M: final stress ratio.",
     given="M = 0.7 to 1.3, λ = 0.2, κ = 0.04, e₀ = 1.1, ν = 0.3",
     source=f"{WOOD}, chapter 10: shear strain is 2/3 of volume strain",
     reference="2η/(M² − η²) Λ + η κ/(3 λ G/K) = 2/3 with K0 = (3 − η)/(3 + 2η)",
-    allowed="what is left of the first stress ratio after 50 % of strain",
+    allowed="remaining effect of the initial stress ratio after 50 % of strain",
 )
 def at_rest() -> Answer:
     """K0 over M."""

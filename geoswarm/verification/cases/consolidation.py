@@ -19,7 +19,7 @@ STIFF, K, HEIGHT, RATE = 2.0e3, 2.0e-5, 0.02, 0.25
 SOIL = {"E": STIFF, "nu": 0.0, "k": K}
 TIME = HEIGHT**2 * WATER / (K * STIFF)
 """Of consolidation, day."""
-CELLS = "errors of 60 cells over the height, which fall with their square"
+CELLS = "discretisation errors of 60 cells over the height, proportional to the square of the cell size"
 
 
 @case(
@@ -114,7 +114,7 @@ def transient() -> Answer:
     given="E = 2 MPa, ν = 0, k = 2·10⁻⁵ m/day, H = 2 cm, r = 0.01 to 1 per day",
     source="Wissa, Christian, Davis & Heiberg (1971); ASTM D4186",
     reference="u_b = γ_w r H²/(2 k);  the mean effective stress is below the total one by two thirds of it",
-    allowed="step in time for the pore pressure; the mean by trapezia over N = 20 intervals is off by 1/(6 N²) = 4e-4",
+    allowed="step in time for the pore pressure; error 1/(6 N²) = 4e-4 of the trapezoidal rule (N = 20) for the mean",
 )
 def steady() -> Answer:
     """Pore pressure over the rate."""
@@ -144,7 +144,7 @@ def steady() -> Answer:
     given="E = 2 MPa, ν = 0, k = 2·10⁻⁵ m/day, H = 2 cm; 2 % of strain at 0.25 per day before",
     source="Terzaghi & Fröhlich (1936); at constant height no water leaves and the first mode is a full cosine",
     reference="exp(−π² T/4) under a constant stress, exp(−π² T) at a constant height",
-    allowed="higher modes that are left, and errors of 160 intervals",
+    allowed="remaining higher modes, and errors of 160 intervals",
 )
 def dissipation() -> Answer:
     """Pore pressure over the time factor."""

@@ -26,7 +26,7 @@ __all__ = ["CASES"]
 
 INDEX = {"lambda_star": 0.1, "kappa_star": 0.02, "mu_star": 0.005}
 BETA = 0.08 / 0.005
-STEPS = "errors of the steps in time, which the tolerance of the driver bounds (1e-8 of strain, or 1e-7)"
+STEPS = "time integration errors, bounded by the tolerance of the driver (1e-8 of strain, or 1e-7)"
 VERMEER = "Vermeer & Neher (1999), A soft soil model that accounts for creep"
 MEIER = "Meier et al. (2008), doi 10.1155/2008/574613"
 
@@ -72,7 +72,7 @@ def constant_stress() -> Answer:
 @case(
     "creep-relaxation",
     "Relaxation at constant volume",
-    shows="A normally consolidated soil under 100 kPa all round whose strain is kept: creep relieves the stress.",
+    shows="Normally consolidated soil at an isotropic stress of 100 kPa and constant strain: creep reduces the stress.",
     given="λ* = 0.1, κ* = 0.02, μ* = 0.005, c = 0, φ = 30°, OCR 1",
     source=f"{VERMEER}, integrated at constant strain",
     reference="p = p₀ (1 + λ* t/(κ* τ))^(−μ*/λ*); after 100 days 0.732838 p₀",
@@ -127,7 +127,7 @@ def isotropic_rate() -> Answer:
     ),
     source=f"{VERMEER}: the steady state of the rate equations",
     reference="OCR = [μ* λ*/(τ ε̇ (λ* − κ*))]^(1/β);  (σ_h + a)/(σ_v + a) = K0nc",
-    allowed="what is left of the transient state after 60 % of strain",
+    allowed="remaining effect of the transient state after 60 % of strain",
 )
 def steady() -> Answer:
     """Rates over four decades."""
@@ -163,7 +163,7 @@ def _sections(kind: str, stages: list[tuple[float, float]], **more: Any) -> dict
     given="λ* = 0.1, κ* = 0.02, μ* = 0.005, c = 0, φ = 30°, ν = 0.15, K0nc = 0.5; small strain",
     source=f"{VERMEER}: rate equations, integrated by SciPy's implicit Runge-Kutta method (Radau)",
     reference="elastic at once, dσ_h = ν/(1 − ν) dσ_v, then an initial value problem in σ_h, ε and ln p_p",
-    allowed="errors of the steps in time of both (1e-7 and 1e-10)",
+    allowed="time integration errors of both (1e-7 and 1e-10)",
 )
 def oedometer() -> Answer:
     """The forward model of a problem file."""
@@ -207,8 +207,8 @@ def oedometer() -> Answer:
     source=f"{MEIER}, application A: stages, heights and parameters; rate equations of Vermeer & Neher (1999)",
     reference="settlement = 20.21 mm (1 − exp(−ε)), ε by SciPy's Radau from the translated rate equations",
     allowed=(
-        "errors of the steps in time; the load of 800 kPa and the unloading reach the strength, which the reference "
-        "does not know"
+        "time integration errors; the load of 800 kPa and the unloading reach the strength, which the reference "
+        "does not include"
     ),
 )
 def published_oedometer() -> Answer:
@@ -315,7 +315,7 @@ def stolle_undrained() -> Answer:
 @case(
     "creep-stolle-oedometer",
     "Published state after compression at constant rate",
-    shows="20 % of strain in 2160 minutes in the oedometer, from 10 kPa all round with an overconsolidation of 6.",
+    shows="20 % of strain in 2160 minutes in the oedometer, from isotropic 10 kPa with an overconsolidation of 6.",
     given="λ* = 0.106, κ* = 0.016, μ* = 0.004, ν = 0.25, M = 1.29, φ = 30°, c = 0, τ = 0.70 min",
     source=STOLLE,
     reference="published: K0 = 0.617, creep strain 0.150, OCR 1.22",

@@ -106,7 +106,7 @@ def _errors(cells: int) -> tuple[float, float]:
     shows="A smooth elastic field on distorted meshes of 4 × 4 to 16 × 16 cells: errors over the size of the cells.",
     given="E = 10 MPa, ν = 0.3; u = (eˣ cos y, −eˣ sin y) on the unit square",
     source="Strang & Fix (1973): elements of degree 2",
-    reference="errors fall with the third power of the size (displacement) and with the second (stress)",
+    reference="errors decrease with the third power of the cell size (displacement) and with the second (stress)",
     allowed="the order between the two finest meshes is not yet that of the limit",
 )
 def convergence() -> Answer:
@@ -170,7 +170,7 @@ def cylinder() -> Answer:
     ),
     source="Vermeer & Neher (1999): rate equations, integrated by SciPy's implicit Runge-Kutta method (Radau)",
     reference="the same integration as for the material point",
-    allowed="the admitted error of the steps in time, 1e-5 of strain",
+    allowed="time integration error, 1e-5 of strain",
 )
 def creeping_specimen() -> Answer:
     """Axial strain over time."""
@@ -219,7 +219,7 @@ def creeping_specimen() -> Answer:
     given="G = 1 MPa, ν = 0.3",
     source="Dienes (1979), On the analysis of rotation and stress rate in deforming bodies",
     reference="Jaumann's rate: τ = G sin γ,  σ_x = G (1 − cos γ)",
-    allowed="steps of 0.05 in γ, whose error falls with their square",
+    allowed="steps of 0.05 in γ; their error is proportional to the square of the step",
 )
 def jaumann() -> Answer:
     """Stresses over shear."""

@@ -39,7 +39,7 @@ def _elastic(layers: Any = (("a", HEIGHT),), stages: Any = ((LOAD, 3.0 * TIME),)
     given="E = 2 MPa, ν = 0, k = 10⁻⁴ m/day, H = 8 m, Δσ = 50 kPa",
     source="Terzaghi & Fröhlich (1936)",
     reference="u/Δσ = Σ 2/M sin(M z/H) exp(−M² T)",
-    allowed="errors of 60 cells over the height; above 1 m at the first of these times they are largest",
+    allowed="errors of 60 cells over the height; they are largest above 1 m at the first of these times",
 )
 def isochrones() -> Answer:
     """Pore pressure over depth."""
@@ -65,7 +65,7 @@ def isochrones() -> Answer:
     given="upper layer E = 2 MPa, k = 10⁻⁴ m/day; lower layer E = 0.8 MPa; closed base, Δσ = 50 kPa",
     source="Gray (1945), Simultaneous consolidation of contiguous layers of unlike compressible soils",
     reference="separated variables: shapes and frequencies by the conditions where the layers meet",
-    allowed="errors of 60 cells a height, 5e-4 of the final settlement",
+    allowed="errors of 60 cells over the height, 5e-4 of the final settlement",
 )
 def layers() -> Answer:
     """Settlement over time."""
@@ -98,7 +98,7 @@ def layers() -> Answer:
     reference=(
         "u/Δσ = exp(−8 c_h t/(μ d_e²)),  μ with smear by quadrature of the flow, plus π z (2l − z)(1 − 1/n²) k_h/q_w"
     ),
-    allowed="errors of the step in time and of the little flow upwards, 1e-5 of the load",
+    allowed="time integration errors and the small upward flow, 1e-5 of the load",
 )
 def drains() -> Answer:
     """Pore pressure at mid-depth over time."""
@@ -185,10 +185,10 @@ def _by_lines(times: FloatArray, count: int) -> FloatArray:
 @case(
     "ground-gibson",
     "Large strains: mud under its own weight",
-    shows="Five metres of slurry with e = 4, whose permeability falls with its voids, over 3000 days.",
+    shows="Five metres of slurry with e = 4, with a permeability that decreases with the void ratio, over 3000 days.",
     given="λ* = 0.12, κ* = 0.01, k = 2·10⁻³ m/day at e = 4, C_k = 1.5, γ = 13 kN/m³",
     source="Gibson, England & Hussey (1967), The theory of one-dimensional consolidation of saturated clays",
-    reference="method of lines on 101 and 201 equal nodes of particles, extrapolated to none (LSODA)",
+    reference="method of lines on 101 and 201 equal nodes of particles, extrapolated to zero spacing (LSODA)",
     allowed="errors of 60 cells, 0.1 %",
 )
 def gibson() -> Answer:

@@ -31,7 +31,7 @@ SAND: dict[str, Any] = {
 SCHANZ = "Schanz, Vermeer & Bonnier (1999), The hardening soil model: formulation and verification"
 BENZ = "Benz (2007), Small-strain stiffness of soils and its numerical consequences"
 FAR = "; the cap is far away (OCR 50)"
-STEPS = "errors of the steps, which the tolerance of 1e-8 of strain (times the elastic modulus, of stress) bounds"
+STEPS = "integration errors, bounded by the tolerance: 1e-8 of strain, and of stress this times the elastic modulus"
 
 
 def _sand(**changes: Any) -> Soil:
@@ -137,7 +137,7 @@ def dilatancy() -> Answer:
     ),
     source=SCHANZ,
     reference="E_oed = Eoed_ref (σ₁/p_ref)^m integrated over strain;  σ₃ = K0nc σ₁",
-    allowed="errors of the steps, which the tolerance of 1e-9 of strain bounds",
+    allowed="integration errors, bounded by the tolerance of 1e-9 of strain",
 )
 def oedometer() -> Answer:
     """Vertical stress over strain."""
@@ -165,11 +165,11 @@ def oedometer() -> Answer:
 @case(
     "hardening-soil-isotropic",
     "Isotropic compression: elastic part and cap",
-    shows="From 50 to 400 kPa all round, with m = 0.5; the modulus H of the cap is the one that the law reports.",
+    shows="Isotropic stress from 50 to 400 kPa, with m = 0.5; the modulus H of the cap is the one reported by the law.",
     given=("E50_ref = 25 MPa, Eoed_ref = 22 MPa, Eur_ref = 80 MPa, m = 0.5, R_f = 0.9, ν = 0.2, φ = 34°, c = 0"),
     source=SCHANZ,
     reference="ε_v = p_ref ((p/p_ref)^(1−m) − (p₀/p_ref)^(1−m))/(1 − m) (3 (1 − 2ν)/Eur + 1/H)",
-    allowed="errors of the steps, which the tolerance of 1e-9 of strain bounds",
+    allowed="integration errors, bounded by the tolerance of 1e-9 of strain",
 )
 def isotropic() -> Answer:
     """Volume strain over stress."""
@@ -252,7 +252,7 @@ def reduction() -> Answer:
     "Loops of Masing and their damping",
     shows="Cycles of simple shear of three amplitudes: loops close on the first curve, their area gives the damping.",
     given=(
-        "G0_ref = 200 MPa, γ_0.7 = 2·10⁻⁴, m = 0, from 100 kPa all round; γ is 3/2 ε_q, √3/2 of the engineering strain"
+        "G0_ref = 200 MPa, γ_0.7 = 2·10⁻⁴, m = 0, from isotropic 100 kPa; γ is 3/2 ε_q, √3/2 of the engineering strain"
     ),
     source=f"{BENZ}; Masing (1926); the doubled hyperbola integrated (Brinkgreve, Kappert & Bonnier 2007)",
     reference="D = 4/π (1 + 1/x)(1 − ln(1 + x)/x) − 2/π,  x = 0.385 γ/γ_0.7",

@@ -37,11 +37,11 @@ def _stepped(soil: Soil, stress: FloatArray, state: FloatArray, strain: FloatArr
 @case(
     "hypoplastic-bauer",
     "Compression of the loosest sand: Bauer's law",
-    shows="Toyoura sand at its largest void ratio, compressed all round from 10 kPa to 20 MPa.",
+    shows="Toyoura sand at its largest void ratio, compressed isotropically from 10 kPa to 20 MPa.",
     given="φ_c = 30°, h_s = 2.6 GPa, n = 0.27, e_d0 = 0.61, e_c0 = 0.98, e_i0 = 1.10, α = 0.18, β = 1.1",
     source=f"Bauer (1996); {HERLE}, table of Toyoura sand",
     reference="e_i = e_i0 exp(−(3 p/h_s)^n)",
-    allowed="errors of the steps of the law (1e-7)",
+    allowed="integration errors of the law (1e-7)",
 )
 def loosest() -> Answer:
     """Void ratio over stress."""
@@ -67,7 +67,7 @@ def loosest() -> Answer:
     given="Toyoura sand as before; e₀ = 0.9, 0.8 and 0.7",
     source=HERLE,
     reference="q/p = 6 sin φ_c/(3 ∓ sin φ_c),  e = e_c0 exp(−(3 p/h_s)^n)",
-    allowed="what is left to the critical state after 800 % of strain",
+    allowed="remaining distance from the critical state after 800 % of strain",
 )
 def critical_state() -> Answer:
     """Void ratio over strain."""
@@ -171,7 +171,7 @@ def published_run() -> Answer:
     given="φ_c = 27.9°, λ* = 0.057, κ* = 0.008, N = 0.749, ν = 0.38",
     source="Mašín (2013), Clay hypoplasticity with explicitly defined asymptotic states",
     reference="ln(1 + e) = N − λ* ln p; at rest every stress grows by exp(ε_v/λ*)",
-    allowed="errors of the steps of the law (1e-7)",
+    allowed="integration errors of the law (1e-7)",
 )
 def clay_lines() -> Answer:
     """Void ratio over stress."""
@@ -207,8 +207,8 @@ def clay_lines() -> Answer:
     shows="Compression and extension from 100 kPa with overconsolidation ratios of 1, 2 and 10.",
     given="φ_c = 27.9°, λ* = 0.057, κ* = 0.008, N = 0.749, ν = 0.38",
     source="Mašín (2013): the critical state line, ln(1 + e) = N − λ* ln(2 p)",
-    reference="p = p_e/2 and q = M p in the end, p_e = exp((N − ln(1 + e))/λ*)",
-    allowed="what is left to the critical state after 300 % of strain",
+    reference="p = p_e/2 and q = M p at the end, p_e = exp((N − ln(1 + e))/λ*)",
+    allowed="remaining distance from the critical state after 300 % of strain",
 )
 def clay_strength() -> Answer:
     """Stress paths."""

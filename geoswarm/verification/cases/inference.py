@@ -58,7 +58,7 @@ def _line(x: FloatArray, random: np.random.Generator) -> FloatArray:
     given="y = 1 + 0.5 x, x from 0 to 4, noise stated as white",
     source=DRAPER,
     reference="normal equations; (XᵀX)⁻¹ s², s² = SSR/(n − 2); estimate ± t(0.975, n − 2) standard errors",
-    allowed="differences instead of derivatives, and the end of the descent",
+    allowed="finite differences instead of derivatives, and the convergence tolerance of the descent",
 )
 def line() -> Answer:
     """Parameters, errors, intervals."""
@@ -94,7 +94,7 @@ def line() -> Answer:
     given="y = 1 + 0.5 x, x from 0 to 4, noise 0.05, stated as white",
     source="Student (1908)",
     reference="t(0.975, n − 2)",
-    allowed="differences instead of derivatives",
+    allowed="finite differences instead of derivatives",
 )
 def student() -> Answer:
     """Ratio over number of readings."""
@@ -121,7 +121,7 @@ def student() -> Answer:
     shows="Two hundred experiments on a straight line of fifteen readings, each with its own noise.",
     given="y = 1 + 0.5 x, x from 0 to 4, noise 0.05, stated as white",
     source="definition of a 95 % confidence interval; standard errors from (XᵀX)⁻¹ σ²",
-    reference="95 % of the intervals hold the truth; the mean square of the standard errors is the true one",
+    reference="95 % of the intervals contain the truth; the mean square of the standard errors is the true one",
     allowed="chance: three standard deviations of a share of 95 % of 200; 5 % for standard errors",
 )
 def coverage() -> Answer:
@@ -138,7 +138,7 @@ def coverage() -> Answer:
     expected = NOISE * np.sqrt(np.diag(np.linalg.inv(X.T @ X)))
     chance = 3.0 * math.sqrt(0.95 * 0.05 / repeats)
     checks = (
-        check("share of intervals that hold the truth", "", shares[-1], 0.95, chance, scale=1.0, of="absolute"),
+        check("share of intervals that contain the truth", "", shares[-1], 0.95, chance, scale=1.0, of="absolute"),
         check("standard errors, root mean square", "", np.sqrt(np.mean(np.square(errors), axis=0)), expected, 0.05),
     )
     at = np.arange(1, repeats + 1, dtype=np.float64)
@@ -147,7 +147,7 @@ def coverage() -> Answer:
         Curve(label, at[9::5], 100 * shares[9::5, i], end, np.array([95.0]))
         for i, label in enumerate(("intercept", "slope"))
     )
-    plot = Plot("experiments [-]", "intervals that hold the truth [%]", curves, caption="Marker: 95 %.")
+    plot = Plot("experiments [-]", "intervals that contain the truth [%]", curves, caption="Marker: 95 %.")
     return Answer(checks, plot)
 
 
@@ -161,7 +161,7 @@ def coverage() -> Answer:
     given="data, models and certified values of the archive; bounds around them",
     source="National Institute of Standards and Technology, Statistical Reference Datasets, nonlinear regression",
     reference="certified values of eleven digits",
-    allowed="the end of the descent (six digits) and differences instead of derivatives (1 % of standard deviations)",
+    allowed="convergence of the descent (six digits) and finite differences (1 % of standard deviations)",
 )
 def nist() -> Answer:
     """Standard deviations against the certified ones."""
@@ -229,7 +229,7 @@ def sobol() -> Answer:
     ),
     source="normal equations of linear least squares",
     reference="(XᵀX)⁻¹ Xᵀ y and its sum of squares",
-    allowed="where the search stops: 1e-6 of the least sum of squares above it",
+    allowed="the search stops at most 1e-6 of the least sum of squares above it",
 )
 def searches() -> Answer:
     """Objective above the minimum over evaluations."""

@@ -41,7 +41,7 @@ def _widened(material: Material, widening: float) -> tuple[float, PhaseResult]:
 @case(
     "fem-tube",
     "Tube of Tresca and of Mohr and Coulomb from first yield to the limit",
-    shows="Radii 1 and 2 m, c = 50 kPa: pressure over the displacement of the outside, and limit pressures.",
+    shows="Radii 1 and 2 m, c = 50 kPa: pressure over the displacement of the outer surface, and limit pressures.",
     given="a = 1 m, b = 2 m, E = 10 MPa, ν = 0.3, c = 50 kPa, φ = 0 and 30°, ψ = 0",
     source="Hill (1950), The Mathematical Theory of Plasticity, chapter V; Yu (2000) for Mohr-Coulomb",
     reference=(
@@ -73,7 +73,7 @@ def tube() -> Answer:
         check("limit pressure, Mohr-Coulomb", "kPa", found, limit, 1.0e-3),
     )
     curve = Curve("Tresca", 1000.0 * u, ours, 1000.0 * u, exact)
-    return Answer(checks, Plot("displacement of the outside [mm]", "pressure [kPa]", (curve,)))
+    return Answer(checks, Plot("displacement of the outer surface [mm]", "pressure [kPa]", (curve,)))
 
 
 def _footing(cells: int) -> float:
@@ -99,7 +99,7 @@ def _footing(cells: int) -> float:
     given="E = 100 MPa, ν = 0.49, c = 100 kPa, φ = 0; ground of 5 m by 4 m, half of it by symmetry",
     source="Prandtl (1920)",
     reference="q/c = 2 + π",
-    allowed="the mesh is too strong by its size: 4 % with 6 cells, and the error must fall with finer cells",
+    allowed="discretisation: the mesh is 4 % too strong with 6 cells, and the error must decrease with finer cells",
 )
 def footing() -> Answer:
     """Capacity over mesh size."""
@@ -134,11 +134,11 @@ def _edge(stands: Callable[[float], bool], standing: float, falling: float, clos
 @case(
     "fem-infinite-slope",
     "Infinite slope at its limit",
-    shows="Slopes of 20 degrees, 5 m deep, with c = 0.5 and 4 kPa: the friction is reduced until they fall.",
+    shows="Slopes of 20 degrees, 5 m deep, with c = 0.5 and 4 kPa: the friction is reduced until they fail.",
     given="β = 20°, z = 5 m, γ = 20 kN/m³, E = 100 MPa, ν = 0.3, ψ = φ",
     source="Skempton & DeLory (1957); limit equilibrium, which is exact here with associated flow",
     reference="F = (c + γ z cos² β tan φ)/(γ z sin β cos β) = 1",
-    allowed="the interval between standing and falling (0.02) and errors of five rows of cells",
+    allowed="the interval between stable and failed (0.02) and errors of five rows of cells",
 )
 def slope() -> Answer:
     """Safety at the limit over cohesion."""
@@ -166,7 +166,7 @@ def slope() -> Answer:
         "safety in closed form [-]",
         "largest displacement [mm]",
         tuple(curves),
-        caption="Markers: F = 1, where it falls.",
+        caption="Markers: F = 1, where it fails.",
     )
     return Answer((check("closed-form safety at failure", "", found, 1.0, 0.02),), plot)
 

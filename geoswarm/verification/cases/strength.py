@@ -28,7 +28,7 @@ LAWS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 ANGLES = np.array([15.0, 20.0, 25.0, 30.0, 35.0, 40.0])
 NO_SHEAR = tuple(strain_change(0.0, **{name: 1}) for name in ("xy", "yz", "zx"))
-RETURN = "the return to the limit is exact; errors of the steps are below the tolerance of 1e-7 of strain"
+RETURN = "the return to the limit is exact; integration errors are below the tolerance of 1e-7 of strain"
 
 
 def _soil(name: str, **changes: Any) -> Soil:
@@ -69,7 +69,7 @@ def triaxial() -> Answer:
     given="c = 5 kPa, φ = 25°, ψ = 5°; stiffness of each law, past stress far away",
     source="Mohr-Coulomb with its non-associated flow",
     reference="q = 2 sin φ/(1 − sin φ) (σ₃ + c cot φ) = 162.0881 kPa;  dε_v/dε_a = −2 sin ψ/(1 − sin ψ)",
-    allowed="errors of the steps, which the tolerance of 1e-7 of strain bounds",
+    allowed="integration errors, bounded by the tolerance of 1e-7 of strain",
 )
 def every_law() -> Answer:
     """Deviator over axial strain."""
@@ -108,7 +108,7 @@ def every_law() -> Answer:
     given="E = 10 MPa, ν = 0.25, c = 4 kPa, ψ = 0",
     source="Drucker & Prager (1952); Matsuoka & Nakai (1974): no plastic strain out of the plane",
     reference="(σ₁ + a)/(σ₃ + a) = (1 + s)/(1 − s);  s = sin φ, or s² = 1 − 6/(6 + 8 tan² φ) for Matsuoka-Nakai",
-    allowed="what is left of the elastic strain out of the plane after 60 % of strain",
+    allowed="remaining elastic strain out of the plane after 60 % of strain",
 )
 def plane_strain() -> Answer:
     """Largest stress over friction angle."""
@@ -135,7 +135,7 @@ def plane_strain() -> Answer:
     given="E = 20 MPa, ν = 0.3, c = 5 kPa, φ = 30°",
     source="Davis (1968), Theories of plasticity and the failure of soil masses",
     reference="τ/(σ_n + c cot φ) = sin φ cos ψ/(1 − sin φ sin ψ);  the specimen rises by tan ψ of the shear",
-    allowed="what is left of the elastic strain after 40 % of shear",
+    allowed="remaining elastic strain after 40 % of shear",
 )
 def sheared() -> Answer:
     """Shear stress over dilatancy."""
