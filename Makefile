@@ -12,9 +12,9 @@ INSTALLED := $(VENV)/.geoswarm-installed
 WARM := $(VENV)/.geoswarm-warm
 KERNELS := $(shell find solver -name '*.py' 2>/dev/null)
 TESTS := $(BIN)/python scripts/run_tests.py
-# Test processes at once: two more than two cores, as many tests wait for a service. Each numerical library keeps to
+# Test processes at once: one more than two cores, as many tests wait for a service. Each numerical library keeps to
 # one thread (tests/conftest.py).
-JOBS ?= 4
+JOBS ?= 3
 export PYTHON
 # Where Python may not keep what it compiles, each of the thousands of processes of the tests compiles all libraries.
 unexport PYTHONDONTWRITEBYTECODE

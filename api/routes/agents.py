@@ -115,9 +115,8 @@ async def lease(wanted: LeaseRequest, request: Request, key: Key, watch: Watch) 
         if grant is not None or waited >= wanted.wait or watch.closed or await request.is_disconnected():
             return _answer({"lease": _shown(grant)})
         woken = await watch.wait(wanted.agent, offers, left, wanted.wait - waited, request.receive)
-        if not woken or not await admitted(
-            request.headers
-        ):  # a key that was revoked meanwhile: the next request is refused
+        # A key may have been revoked meanwhile; the next request with it is refused.
+        if not woken or not await admitted(request.headers):
             return _answer({"lease": None})
 
 

@@ -15,10 +15,14 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.waker import NoWaker
 from tests.integration.engines import wait_for
+from tests.variants import variants
 from tests.workers.problems import expected_history, line, recorded_history
 from tests.workers.test_agents import ByHand
 
-pytestmark = pytest.mark.usefixtures("misbehaving_models")
+pytestmark = [
+    pytest.mark.usefixtures("misbehaving_models"),
+    pytest.mark.parametrize("database_url", variants(["sqlite", "postgresql"], {"postgresql"}), indirect=True),
+]
 
 
 @pytest.fixture

@@ -83,6 +83,7 @@ def test_page_needs_nothing_else(swarm: Run) -> None:
     assert len(set(re.findall(r'\bid="([^"]+)"', swarm.page))) == len(re.findall(r'\bid="([^"]+)"', swarm.page))
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_names_of_the_user_are_escaped(swarm: Run) -> None:
     from dataclasses import replace
 
