@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from tests.contracts.repository import ROOT
-from tests.integration.agents import Installation, assert_nothing_left, ended, line_model, registered_line
+from tests.integration.agents import Installation, assert_nothing_left, ended, registered_line
 from tests.integration.engines import wait_for
 from tests.servers import find_program, free_port
 from tests.workers.problems import expected_history, line
@@ -97,9 +97,7 @@ def test_the_script_wants_what_it_needs() -> None:
 def test_an_array_of_four_does_a_job_though_two_are_ended_by_walltime(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    models = line_model(tmp_path / "models", seconds=1.5)
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    place = Installation.with_line(tmp_path, monkeypatch, seconds=1.5)
     key = tmp_path / "key"
     key.write_text(place.key + "\n")
     program = tmp_path / "geoswarm"

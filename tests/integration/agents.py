@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
 
+import pytest
+
 from geoswarm import Client
 from geoswarm.client.errors import GeoswarmError
 from geoswarm.solver.problem import Problem, parse_problem
@@ -83,6 +85,15 @@ class Installation:
     models
         Folder of registered models, of all.
     """
+
+    @classmethod
+    def with_line(
+        cls, folder: Path, monkeypatch: pytest.MonkeyPatch, seconds: float = 0.1, database_url: str | None = None
+    ) -> Installation:
+        """An installation with the model ``line`` in ``models``, which this process knows, too; SQLite unless given."""
+        models = line_model(folder / "models", seconds)
+        monkeypatch.setenv("GEOSWARM_MODELS", str(models))
+        return cls(folder, database_url or f"sqlite:///{folder / 'jobs.db'}", models)
 
     def __init__(self, folder: Path, database_url: str, models: Path | None = None) -> None:
         self.folder = folder

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.chaos.fleet import Fleet
-from tests.integration.agents import Installation, assert_nothing_left, ended, line_model, registered_line
+from tests.integration.agents import Installation, assert_nothing_left, ended, registered_line
 from tests.integration.engines import wait_for
 from tests.workers.problems import expected_history, line
 
@@ -75,9 +75,7 @@ def test_the_agent_is_imported_without_anything_of_posix(elsewhere: dict[str, st
 def test_an_agent_runs_a_program_without_anything_of_posix(
     tmp_path: Path, elsewhere: dict[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    models = line_model(tmp_path / "models", seconds=0.05)
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    place = Installation.with_line(tmp_path, monkeypatch, seconds=0.05)
     problem = registered_line(36)
     with place.running({"api": place.serve()}) as (_service, client):
         environment = place.environment | elsewhere

@@ -16,7 +16,7 @@ from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from tests.chaos.fleet import Fleet, send
-from tests.integration.agents import Installation, assert_nothing_left, ended, line_model, registered_line
+from tests.integration.agents import Installation, assert_nothing_left, ended, registered_line
 from tests.integration.clocks import an_hour_ahead
 from tests.integration.cuttable import CuttableLine
 from tests.integration.engines import wait_for
@@ -66,9 +66,7 @@ def test_an_agent_does_a_job_alone_and_ends_without_work(tmp_path: Path) -> None
 
 @pytest.mark.timeout(900)
 def test_a_model_that_only_the_service_has_is_fetched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    models = line_model(tmp_path / "models")
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    place = Installation.with_line(tmp_path, monkeypatch)
     secret, signed = tmp_path / "secret", tmp_path / "list.json"
     command = ["models", "sign", "--secret-file", str(secret), "--output", str(signed)]
     done = CliRunner().invoke(cli, command)
@@ -93,7 +91,7 @@ def test_a_model_that_only_the_service_has_is_fetched(tmp_path: Path, monkeypatc
         assert fleet.stop() == {"api": 0}
     assert place.history(job_id) == expected_history(line(method=METHOD, stopping={"max_evaluations": 12}))
     kept = list((tmp_path / "state" / "geoswarm" / "agent" / "models").glob("*/line/run.sh"))
-    assert [path.read_bytes() for path in kept] == [(models / "line" / "run.sh").read_bytes()]
+    assert [path.read_bytes() for path in kept] == [(tmp_path / "models" / "line" / "run.sh").read_bytes()]
 
 
 @pytest.mark.slow
@@ -101,9 +99,7 @@ def test_a_model_that_only_the_service_has_is_fetched(tmp_path: Path, monkeypatc
 def test_agents_and_workers_disturbed_in_every_way(
     tmp_path: Path, database_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    models = line_model(tmp_path / "models", seconds=0.25)
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, database_url, models)
+    place = Installation.with_line(tmp_path, monkeypatch, seconds=0.25, database_url=database_url)
     problem = registered_line(300)
     with CuttableLine(place.port) as cable:
         commands = {
@@ -166,9 +162,7 @@ def test_an_agent_whose_clock_is_off_by_an_hour(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_results_wait_on_disk_while_the_service_is_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    models = line_model(tmp_path / "models", seconds=3.0)
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    place = Installation.with_line(tmp_path, monkeypatch, seconds=3.0)
     with place.running({"api": place.serve(), "agent": place.agent()}) as (fleet, client):
         wait_for(lambda: len(place.slots(client)) == 1, "an agent", 600.0)
         job_id = client.submit(registered_line(6).document()).id
@@ -191,9 +185,7 @@ def test_results_wait_on_disk_while_the_service_is_away(tmp_path: Path, monkeypa
 @pytest.mark.timeout(900)
 def test_a_service_that_is_down_for_an_hour(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is down for some seconds, and an hour ahead when it is back: for its leases that is the same."""
-    models = line_model(tmp_path / "models", seconds=3.0)
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    place = Installation.with_line(tmp_path, monkeypatch, seconds=3.0)
     with place.running({"api": place.serve(), "agent": place.agent("--slots", "2")}) as (fleet, client):
         wait_for(lambda: len(place.slots(client)) == 2, "an agent", 600.0)
         job_id = client.submit(registered_line(24).document()).id
@@ -213,9 +205,7 @@ def test_a_service_that_is_down_for_an_hour(tmp_path: Path, monkeypatch: pytest.
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_a_lease_that_comes_while_an_agent_ends_is_handed_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    models = line_model(tmp_path / "models", seconds=120.0)
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    place = Installation.with_line(tmp_path, monkeypatch, seconds=120.0)
     with CuttableLine(place.port) as cable:
         agent = place.agent(url=f"http://127.0.0.1:{cable.port}")
         with place.running({"api": place.serve(), "agent": agent}) as (fleet, client):
@@ -246,9 +236,7 @@ def _is_run(pid: int) -> bool:
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_revoking_the_key_kills_what_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    models = line_model(tmp_path / "models", seconds=120.0)
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    place = Installation.with_line(tmp_path, monkeypatch, seconds=120.0)
     with place.running({"api": place.serve(), "agent": place.agent()}) as (fleet, client):
         wait_for(lambda: len(place.slots(client)) == 1, "an agent", 600.0)
         job_id = client.submit(registered_line(6).document()).id
@@ -273,9 +261,7 @@ def test_revoking_the_key_kills_what_runs(tmp_path: Path, monkeypatch: pytest.Mo
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("how", ["term", "until", "cancel"])
 def test_what_runs_is_handed_back_or_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str) -> None:
-    models = line_model(tmp_path / "models", seconds=120.0)
-    monkeypatch.setenv("GEOSWARM_MODELS", str(models))
-    place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}", models)
+    place = Installation.with_line(tmp_path, monkeypatch, seconds=120.0)
     more = {"term": ("--grace", "1"), "until": ("--until", "+100s"), "cancel": ()}[how]
     with place.running({"api": place.serve(), "agent": place.agent(*more)}) as (fleet, client):
         wait_for(lambda: len(place.slots(client)) == 1, "an agent", 600.0)

@@ -27,6 +27,20 @@ function filled(made, properties, children) {
   return made;
 }
 
+/** A region that scrolls sideways, also by keyboard. */
+export function wide(label, ...children) {
+  return element("div", { class: "wide", tabindex: "0", role: "region", "aria-label": label }, ...children);
+}
+
+/** The head of a table, of texts ("": an empty cell) or cells; `numeric(i)` says which columns hold numbers. */
+export function tableHead(heads, numeric = () => false) {
+  const cell = (head, i) => {
+    if (typeof head !== "string") return head;
+    return head ? element("th", { scope: "col", class: numeric(i) && "n" }, head) : element("td");
+  };
+  return element("thead", {}, element("tr", {}, heads.flat().map(cell)));
+}
+
 /** Say something to everybody, screen readers too; it goes after some seconds. */
 export function announce(text, seconds = 6) {
   const place = document.getElementById("status");

@@ -1,5 +1,5 @@
 // Plotly in the page's colours; plots that follow the theme and can be read as a table.
-import { announce, element } from "./dom.js";
+import { announce, element, tableHead, wide } from "./dom.js";
 import { number } from "./format.js";
 
 let loading = null;
@@ -171,23 +171,9 @@ function fillTable(details, columns) {
   );
   details.querySelector(".wide")?.remove();
   details.append(
-    element(
-      "div",
-      { class: "wide", tabindex: "0", role: "region", "aria-label": "Numbers of the plot" },
-      element(
-        "table",
-        {},
-        element(
-          "thead",
-          {},
-          element(
-            "tr",
-            {},
-            names.map((name) => element("th", { scope: "col" }, name)),
-          ),
-        ),
-        element("tbody", {}, rows),
-      ),
+    wide(
+      "Numbers of the plot",
+      element("table", {}, tableHead(names), element("tbody", {}, rows)),
       length > MOST_ROWS ? element("p", { class: "help" }, `The first ${MOST_ROWS} of ${length} rows.`) : null,
     ),
   );

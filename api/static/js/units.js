@@ -1,20 +1,22 @@
 // The units that a reader has chosen, remembered in this browser: lengths, times and stresses of fits.
 
+import { measure } from "./new/units.js";
+
 const FAMILIES = {
-  length: { name: "Lengths", units: { mm: 1e-3, cm: 1e-2, m: 1 } },
-  time: { name: "Times", units: { s: 1, min: 60, h: 3600, day: 86400 } },
-  stress: { name: "Stresses", units: { kPa: 1, MPa: 1000 } },
+  length: { name: "Lengths", units: ["mm", "cm", "m"] },
+  time: { name: "Times", units: ["s", "min", "h", "day"] },
+  stress: { name: "Stresses", units: ["kPa", "MPa"] },
 };
 const KEPT = "geoswarm-unit-";
 const ALIASES = { d: "day", days: "day", minute: "min", hour: "h" };
 
 const known = (unit) => ALIASES[unit] ?? unit;
-const familyOf = (unit) => Object.keys(FAMILIES).find((name) => known(unit) in FAMILIES[name].units) ?? null;
+const familyOf = (unit) => Object.keys(FAMILIES).find((name) => FAMILIES[name].units.includes(known(unit))) ?? null;
 
 function chosen(family) {
   try {
     const unit = localStorage.getItem(KEPT + family);
-    return unit in FAMILIES[family].units ? unit : null;
+    return FAMILIES[family].units.includes(unit) ? unit : null;
   } catch {
     return null; // storage may be forbidden
   }
@@ -40,7 +42,7 @@ export function choices(fit) {
     .map((family) => ({
       family,
       name: FAMILIES[family].name,
-      units: Object.keys(FAMILIES[family].units),
+      units: FAMILIES[family].units,
       chosen: chosen(family),
     }));
 }
@@ -50,8 +52,7 @@ function shownIn(unit) {
   const family = familyOf(unit),
     wanted = family && chosen(family);
   if (!wanted || wanted === known(unit)) return [unit, 1];
-  const { units } = FAMILIES[family];
-  return [wanted, units[known(unit)] / units[wanted]];
+  return [wanted, measure(known(unit))[0] / measure(wanted)[0]];
 }
 
 /** A fit, as GET …/fit answers, in the chosen units. */

@@ -1,5 +1,5 @@
 // Tables with one column a job.
-import { element } from "../dom.js";
+import { element, wide } from "../dom.js";
 import { age, amount, count, duration, ends, number, plain, symbol, withUnit } from "../format.js";
 
 function table(caption, loaded, rows) {
@@ -17,9 +17,8 @@ function table(caption, loaded, rows) {
       cells.map((cell, i) => element("td", { class: differs?.[i] ? "n differs" : "n" }, cell)),
     ),
   );
-  return element(
-    "div",
-    { class: "wide", tabindex: "0", role: "region", "aria-label": caption },
+  return wide(
+    caption,
     element(
       "table",
       { class: "side" },

@@ -1,6 +1,6 @@
 // The answer in words, and the table of parameters: both from the statistics, so that they never disagree with these.
 import { alarm, doubt } from "../alarm.js";
-import { announce, element, empty, exchange, svg } from "../dom.js";
+import { announce, element, empty, exchange, svg, tableHead } from "../dom.js";
 import { amount, ends, number, plain, precise, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { ENDED } from "../states.js";
@@ -236,15 +236,7 @@ export function answer(view) {
       element(
         "table",
         {},
-        element(
-          "thead",
-          {},
-          element(
-            "tr",
-            {},
-            heads.map((head, i) => element("th", { scope: "col", class: i === 1 ? "n" : null }, head)),
-          ),
-        ),
+        tableHead(heads, (i) => i === 1),
         element(
           "tbody",
           {},

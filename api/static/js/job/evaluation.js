@@ -1,5 +1,5 @@
 // One evaluation: why it failed, parameters, response, tries, log.
-import { announce, dialog, element } from "../dom.js";
+import { announce, dialog, element, tableHead, wide } from "../dom.js";
 import { amount, duration, moment, number, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { addressValues, setAddressValues } from "../place.js";
@@ -106,21 +106,12 @@ function rows(title, heads, body) {
     "section",
     {},
     element("h3", {}, title),
-    element(
-      "div",
-      { class: "wide", tabindex: "0", role: "region", "aria-label": title },
+    wide(
+      title,
       element(
         "table",
         {},
-        element(
-          "thead",
-          {},
-          element(
-            "tr",
-            {},
-            heads.map((head) => element("th", { scope: "col" }, head)),
-          ),
-        ),
+        tableHead(heads),
         element(
           "tbody",
           {},

@@ -1,5 +1,5 @@
 // The table of evaluations: filter, leaf through, open one.
-import { element, empty, exchange, failure } from "../dom.js";
+import { element, empty, exchange, failure, tableHead, wide } from "../dom.js";
 import { duration, number, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
@@ -126,21 +126,12 @@ export function evaluations(view) {
           : null,
       ),
     );
-    return element(
-      "div",
-      { class: "wide", tabindex: "0", role: "region", "aria-label": "Evaluations" },
+    return wide(
+      "Evaluations",
       element(
         "table",
         { class: "evaluations" },
-        element(
-          "thead",
-          {},
-          element(
-            "tr",
-            {},
-            heads.map(([head, kind]) => element("th", { scope: "col", class: kind }, head)),
-          ),
-        ),
+        tableHead(heads.map(([head, kind]) => element("th", { scope: "col", class: kind }, head))),
         element("tbody", {}, rows),
       ),
     );

@@ -1,5 +1,5 @@
 // The figures of the report, each as a file.
-import { element, exchange, failure } from "../dom.js";
+import { element, exchange, failure, tableHead, wide } from "../dom.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
 
@@ -32,23 +32,9 @@ export function figures(id, place) {
         exchange(
           place,
           items.length
-            ? element(
-                "div",
-                { class: "wide", tabindex: "0", role: "region", "aria-label": "Figures" },
-                element(
-                  "table",
-                  {},
-                  element(
-                    "thead",
-                    {},
-                    element(
-                      "tr",
-                      {},
-                      ["Figure", "Download"].map((head) => element("th", { scope: "col" }, head)),
-                    ),
-                  ),
-                  element("tbody", {}, items.map(row)),
-                ),
+            ? wide(
+                "Figures",
+                element("table", {}, tableHead(["Figure", "Download"]), element("tbody", {}, items.map(row))),
               )
             : "",
         );

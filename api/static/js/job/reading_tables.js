@@ -1,5 +1,5 @@
 // The readings as they were read, a table for each series.
-import { element, failure } from "../dom.js";
+import { element, failure, tableHead, wide } from "../dom.js";
 import { count, number, plain, withUnit } from "../format.js";
 import { get } from "../http.js";
 
@@ -21,22 +21,12 @@ export async function readingTables(id, place) {
             {},
             `${plain(one.series)}: ${count(rows.length)} readings, weight ${number(one.weight)}${struck.length ? `, ${struck.length} of them gross errors` : ""}`,
           ),
-          element(
-            "div",
-            { class: "wide", tabindex: "0", role: "region", "aria-label": `Readings of ${one.series}` },
+          wide(
+            `Readings of ${one.series}`,
             element(
               "table",
               {},
-              element(
-                "thead",
-                {},
-                element(
-                  "tr",
-                  {},
-                  heads.map((head) => element("th", { scope: "col", class: "n" }, head)),
-                  element("td", {}),
-                ),
-              ),
+              tableHead([...heads, ""], (i) => i < heads.length),
               element(
                 "tbody",
                 {},

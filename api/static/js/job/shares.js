@@ -1,5 +1,5 @@
 // What each series is worth in the objective.
-import { element, empty, exchange } from "../dom.js";
+import { element, empty, exchange, tableHead, wide } from "../dom.js";
 import { number } from "../format.js";
 
 export function shares(view) {
@@ -10,23 +10,12 @@ export function shares(view) {
       if (!best) return void place.replaceChildren(empty("No successful evaluation yet."));
       exchange(
         place,
-        element(
-          "div",
-          { class: "wide", tabindex: "0", role: "region", "aria-label": "Shares of the series" },
+        wide(
+          "Shares of the series",
           element(
             "table",
             {},
-            element(
-              "thead",
-              {},
-              element(
-                "tr",
-                {},
-                ["Series", "Weight", "Misfit [base unit²]", "Share of the objective"].map((head, i) =>
-                  element("th", { scope: "col", class: i === 1 || i === 2 ? "n" : null }, head),
-                ),
-              ),
-            ),
+            tableHead(["Series", "Weight", "Misfit [base unit²]", "Share of the objective"], (i) => i === 1 || i === 2),
             element(
               "tbody",
               {},

@@ -1,5 +1,5 @@
 // Displacements of the observed points, measured against calculated, as a table.
-import { element, empty } from "../dom.js";
+import { element, empty, tableHead, wide } from "../dom.js";
 import { number } from "../format.js";
 
 export function vectorTable(vectors, { name, factor }) {
@@ -14,21 +14,12 @@ export function vectorTable(vectors, { name, factor }) {
   ];
   const share = (measured, calculated) =>
     measured && calculated !== null ? `${(100 * (calculated / measured - 1)).toFixed(0)} %`.replace("-", "−") : "–";
-  return element(
-    "div",
-    { class: "wide", tabindex: "0", role: "region", "aria-label": "Displacements of points" },
+  return wide(
+    "Displacements of points",
     element(
       "table",
       {},
-      element(
-        "thead",
-        {},
-        element(
-          "tr",
-          {},
-          head.map((text, i) => element("th", { scope: "col", class: i > 1 ? "n" : null }, text)),
-        ),
-      ),
+      tableHead(head, (i) => i > 1),
       element(
         "tbody",
         {},

@@ -1,5 +1,5 @@
 // One forward calculation before the job: does it run, how far is it from the data, what will the search cost. And the start.
-import { announce, connection, element, exchange, failure, once } from "../dom.js";
+import { announce, connection, element, exchange, failure, once, tableHead } from "../dom.js";
 import { count, duration, number, objectiveUnit, percent, symbol, withUnit } from "../format.js";
 import { post } from "../http.js";
 import { forget } from "./draft.js";
@@ -145,17 +145,7 @@ export function checkSection(context, place, judged) {
           {},
           "Shares of the objective: where each series is missed by the same part of its range, and at this point",
         ),
-        element(
-          "thead",
-          {},
-          element(
-            "tr",
-            {},
-            ["Series", ...columns.map(([name]) => name)].map((name, i) =>
-              element("th", { scope: "col", class: i ? "n" : null }, name),
-            ),
-          ),
-        ),
+        tableHead(["Series", ...columns.map(([name]) => name)], (i) => i > 0),
         element(
           "tbody",
           {},

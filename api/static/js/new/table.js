@@ -1,5 +1,5 @@
 // A list of like entries as a table, into which rows of a spreadsheet can be pasted.
-import { element, exchange } from "../dom.js";
+import { element, exchange, tableHead } from "../dom.js";
 import { errorPlace, field, idOf, numberOf } from "./fields.js";
 import { words } from "./schema.js";
 
@@ -48,12 +48,7 @@ export function table(context, path, schema, { label, help, onchange }) {
     exchange(
       place,
       rows().length
-        ? element(
-            "table",
-            { class: "rows" },
-            element("thead", {}, element("tr", {}, element("th", { scope: "col" }, "No."), head, element("td", {}))),
-            element("tbody", {}, body),
-          )
+        ? element("table", { class: "rows" }, tableHead(["No.", head, ""]), element("tbody", {}, body))
         : element("p", { class: "help" }, "No rows yet."),
     );
   }

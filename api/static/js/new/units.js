@@ -34,7 +34,7 @@ const KNOWN = Object.fromEntries(
 );
 
 /** Factor and exponents of a unit such as kN/m^3, m2/day or 1/h; null for one that is not known. */
-function measure(unit) {
+export function measure(unit) {
   let factor = 1;
   const powers = [0, 0, 0, 0];
   for (const [

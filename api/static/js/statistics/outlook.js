@@ -1,5 +1,5 @@
 // What comes next: predictions with the uncertainty of what was identified, and which test to do next.
-import { element, once } from "../dom.js";
+import { element, once, tableHead, wide } from "../dom.js";
 import { amount, direction, number, partOf, percent, plain, symbol, withUnit } from "../format.js";
 import { get, post } from "../http.js";
 import { DASHES, colour, palette, plot } from "../plot.js";
@@ -232,21 +232,12 @@ export class Outlook {
         {},
         `Take first: ${design.candidates[0].name}. Expected reduction of the width of each 95 % interval; the order is by ${CRITERIA[design.criterion]}.`,
       ),
-      element(
-        "div",
-        { class: "wide", tabindex: "0", role: "region", "aria-label": "Candidate tests" },
+      wide(
+        "Candidate tests",
         element(
           "table",
           {},
-          element(
-            "thead",
-            {},
-            element(
-              "tr",
-              {},
-              head.map((text, i) => element("th", { scope: "col", class: i ? "n" : null }, text)),
-            ),
-          ),
+          tableHead(head, (i) => i > 0),
           element("tbody", {}, rows),
         ),
       ),

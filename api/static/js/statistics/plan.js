@@ -1,6 +1,6 @@
 // The follow-up job: the same problem with parameters fixed, linked or given other bounds.
 import { affordable, costWords } from "../costs.js";
-import { element, exchange, once } from "../dom.js";
+import { element, exchange, once, tableHead, wide } from "../dom.js";
 import { count, duration, number, symbol } from "../format.js";
 import { get, post } from "../http.js";
 import { messageOf, placeOf } from "../new/words.js";
@@ -24,20 +24,18 @@ export class Plan {
       { type: "button", class: "quiet", onclick: () => once(this.check, () => this.tryOut()) },
       "Check first",
     );
-    const headings = ["Parameter", "In the follow-up", "Value"].map((text) => element("th", { scope: "col" }, text));
     holder.append(
       element(
         "p",
         { class: "help" },
         "The same problem and measurements as a new job, with these changes. This job stays as it is.",
       ),
-      element(
-        "div",
-        { class: "wide", tabindex: "0", role: "region", "aria-label": "Parameters of the follow-up" },
+      wide(
+        "Parameters of the follow-up",
         element(
           "table",
           {},
-          element("thead", {}, element("tr", {}, headings)),
+          tableHead(["Parameter", "In the follow-up", "Value"]),
           element(
             "tbody",
             {},

@@ -1,7 +1,7 @@
 // Follow-ups that evaluate more around the optimum, and what they have found: intervals and profiles.
 import { doubt } from "../alarm.js";
 import { BUTTONS, FOLLOW_UPS, affordable, costWords } from "../costs.js";
-import { element, exchange, once } from "../dom.js";
+import { element, exchange, once, tableHead, wide } from "../dom.js";
 import { count, ends, number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
@@ -203,21 +203,12 @@ export class Uncertainty {
         ? ""
         : "The search had not reached the minimum: these values are those of a point near it.";
     return [
-      element(
-        "div",
-        { class: "wide", tabindex: "0", role: "region", "aria-label": "Intervals" },
+      wide(
+        "Intervals",
         element(
           "table",
           {},
-          element(
-            "thead",
-            {},
-            element(
-              "tr",
-              {},
-              head.map((text, i) => element("th", { scope: "col", class: [1, 2, 4].includes(i) ? "n" : null }, text)),
-            ),
-          ),
+          tableHead(head, (i) => [1, 2, 4].includes(i)),
           element("tbody", {}, rows),
         ),
       ),
@@ -239,22 +230,12 @@ export class Uncertainty {
       );
     return [
       element("h3", {}, "Does one test pull?"),
-      element(
-        "div",
-        { class: "wide", tabindex: "0", role: "region", "aria-label": "Values without each test" },
+      wide(
+        "Values without each test",
         element(
           "table",
           {},
-          element(
-            "thead",
-            {},
-            element(
-              "tr",
-              {},
-              element("th", { scope: "col" }, "Tests"),
-              each.map(([name]) => element("th", { scope: "col", class: "n" }, symbol(name))),
-            ),
-          ),
+          tableHead(["Tests", ...each.map(([name]) => symbol(name))], (i) => i > 0),
           element(
             "tbody",
             {},
@@ -343,17 +324,9 @@ export class Uncertainty {
             "table",
             {},
             element("caption", { class: "help" }, `${kind}: ${output}`),
-            element(
-              "thead",
-              {},
-              element(
-                "tr",
-                {},
-                element("th", { scope: "col" }, "Parameter"),
-                (kind === "sobol" ? ["First order", "Total"] : ["Mean effect", "Spread"]).map((text) =>
-                  element("th", { scope: "col", class: "n" }, text),
-                ),
-              ),
+            tableHead(
+              ["Parameter", ...(kind === "sobol" ? ["First order", "Total"] : ["Mean effect", "Spread"])],
+              (i) => i > 0,
             ),
             element(
               "tbody",

@@ -1,5 +1,5 @@
 // What the data say about each parameter, in words, with the evidence and what to do about it.
-import { element } from "../dom.js";
+import { element, tableHead, wide } from "../dom.js";
 import { coefficient as fixed, count, ends, number, percent, symbol } from "../format.js";
 import { followUps } from "../remedies.js";
 
@@ -107,9 +107,8 @@ export function correlationTable(tables) {
     );
   if (!tables.length || !tables[0].pairs.length)
     return element("p", { class: "empty" }, "One parameter has no correlations.");
-  return element(
-    "div",
-    { class: "wide", tabindex: "0", role: "region", "aria-label": "Correlations" },
+  return wide(
+    "Correlations",
     element(
       "table",
       {},
@@ -118,18 +117,9 @@ export function correlationTable(tables) {
         { class: "help" },
         `Among the good fits, with ${percent(tables[0].level)} intervals; bold: |r| ≥ 0.5 and the interval excludes 0.${tables[0].biased ? " Of a swarm's path: not of the data alone." : ""}`,
       ),
-      element(
-        "thead",
-        {},
-        element(
-          "tr",
-          {},
-          element("th", { scope: "col" }, "Pair"),
-          tables.map((table) =>
-            element("th", { scope: "col", class: "n" }, names[`${table.method} ${table.coordinates}`]),
-          ),
-          element("th", { scope: "col", class: "n" }, "n"),
-        ),
+      tableHead(
+        ["Pair", ...tables.map(({ method, coordinates }) => names[`${method} ${coordinates}`]), "n"],
+        (i) => i > 0,
       ),
       element(
         "tbody",

@@ -1,5 +1,5 @@
 // API keys: list, make, revoke.
-import { announce, confirmed, dialog, element, empty, exchange, failure, once } from "../dom.js";
+import { announce, confirmed, dialog, element, empty, exchange, failure, once, tableHead, wide } from "../dom.js";
 import { age, moment } from "../format.js";
 import { get, post } from "../http.js";
 
@@ -69,21 +69,12 @@ function table(keys, revoke) {
           new Date(timestamp) > Date.now() ? moment(timestamp) : age(timestamp),
         )
       : never;
-  return element(
-    "div",
-    { class: "wide", tabindex: "0", role: "region", "aria-label": "Table of API keys" },
+  return wide(
+    "Table of API keys",
     element(
       "table",
       {},
-      element(
-        "thead",
-        {},
-        element(
-          "tr",
-          {},
-          head.map((text) => (text ? element("th", { scope: "col" }, text) : element("td"))),
-        ),
-      ),
+      tableHead(head),
       element(
         "tbody",
         {},

@@ -1,26 +1,17 @@
 // Worker processes as a table; the slots of an agent stand together, below what is true of all of them.
-import { element, empty } from "../dom.js";
+import { element, empty, tableHead, wide } from "../dom.js";
 import { age, count, duration, moment } from "../format.js";
 
 const HEAD = ["Worker", "State", "Runs", "For", "Started", "Last seen"];
 
 export function workersTable(workers, version) {
   if (!workers.length) return empty("No worker seen recently: jobs wait until one is started (geoswarm worker).");
-  return element(
-    "div",
-    { class: "wide", tabindex: "0", role: "region", "aria-label": "Workers" },
+  return wide(
+    "Workers",
     element(
       "table",
       { class: "workers" },
-      element(
-        "thead",
-        {},
-        element(
-          "tr",
-          {},
-          HEAD.map((text) => element("th", { scope: "col" }, text)),
-        ),
-      ),
+      tableHead(HEAD),
       groups(workers).map((group) => body(group, version)),
     ),
   );

@@ -1,5 +1,5 @@
 // Inputs of the import, which belong to no place of the draft yet, and the first rows of a file.
-import { element } from "../../dom.js";
+import { element, tableHead } from "../../dom.js";
 import { count } from "../../format.js";
 
 export const BEFORE = "Leave out readings before"; // the beginning of a series: strain or time 0, stage 1
@@ -99,20 +99,9 @@ export function firstRows(file, roles) {
       "table",
       {},
       element("caption", {}, file.rows > shown ? `First rows of ${count(file.rows)}` : `${count(file.rows)} rows`),
-      element(
-        "thead",
-        {},
-        element(
-          "tr",
-          {},
-          file.columns.map((column, i) =>
-            element(
-              "th",
-              { scope: "col", class: `${number(column)} ${roles[i] ? "taken" : ""}` },
-              column.name,
-              role(i),
-            ),
-          ),
+      tableHead(
+        file.columns.map((column, i) =>
+          element("th", { scope: "col", class: `${number(column)} ${roles[i] ? "taken" : ""}` }, column.name, role(i)),
         ),
       ),
       element(
