@@ -23,7 +23,7 @@ from tests.api.conftest import line_problem
 from tests.variants import variants
 
 SECRET = "confidential-embankment"
-FEW, MANY = 5, 150
+FEW, MANY = 3, 150
 
 
 class World:

@@ -11,6 +11,7 @@ import pytest
 from geoswarm.workers.hosts.engine import Engine, open_engine
 from geoswarm.workers.settings import Settings
 from tests.api.conftest import API, App, line_problem, wait_for_end
+from tests.variants import variants
 
 X = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
 
@@ -64,7 +65,7 @@ def app(engine: Engine) -> App:
     return App(engine.service)
 
 
-@pytest.fixture(scope="module", params=JOBS)
+@pytest.fixture(scope="module", params=variants(JOBS, {"larger", "smaller", "wide"}))
 def path(request: pytest.FixtureRequest, app: App, engine: Engine) -> str:
     answer = app.post(f"{API}/jobs", json=JOBS[request.param])
     assert answer.status_code == 201, answer.text

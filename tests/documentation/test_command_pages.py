@@ -56,6 +56,7 @@ def reader(tmp_path: Path) -> Iterator[Reader]:
         yield made
 
 
+@pytest.mark.slow
 def test_a_program_becomes_a_forward_model(reader: Reader) -> None:
     folder = reader.folder
     reader.program("../settle", SETTLE)
@@ -101,6 +102,7 @@ def test_the_section_of_a_program_reads_what_it_says(reader: Reader) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_soil_law_in_fortran(reader: Reader) -> None:
     """The routine is linear elasticity: it leaves the state variables of the page alone."""
     shutil.copy(SOURCES / "elastic.f", reader.folder / "sand.f")

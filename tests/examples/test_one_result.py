@@ -19,7 +19,6 @@ from examples.generate_reference_data import HERE
 from geoswarm.cli import main
 from geoswarm.solver.words import number
 from tests.documentation.service import serving
-from tests.variants import variants
 
 LONG = 240.0
 
@@ -47,9 +46,8 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield url
 
 
-@pytest.mark.parametrize(
-    "example", variants(["oedometer", "isotropic_compression", "triaxial", "combined"], {"isotropic_compression"})
-)
+@pytest.mark.slow  # tests/geoswarm/client/test_same_statements.py compares the outputs of small problems by default
+@pytest.mark.parametrize("example", ["oedometer", "isotropic_compression", "triaxial", "combined"])
 @pytest.mark.usefixtures("blank_figures")
 def test_all_outputs_show_the_same_result(
     example: str, service: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

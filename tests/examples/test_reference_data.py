@@ -10,8 +10,13 @@ import pytest
 from examples.generate_reference_data import EXAMPLES, HERE, Example, generate, reading_times
 from geoswarm.solver.problem import load_problem
 
+CALCULATED = [
+    pytest.param(one, id=one.folder, marks=[pytest.mark.slow] if one.folder == "slope" else []) for one in EXAMPLES
+]
+"""The slope of finite elements is calculated in the long run only."""
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.folder)
+
+@pytest.mark.parametrize("example", CALCULATED)
 def test_generating_again_gives_the_committed_files(example: Example, tmp_path: Path) -> None:
     written = generate(example, tmp_path)
     assert sorted(path.name for path in written) == sorted(p.name for p in (HERE / example.folder).glob("*.csv"))
@@ -32,7 +37,7 @@ def test_every_data_file_says_that_it_is_synthetic(example: Example) -> None:
     assert "synthetic" in (HERE / example.folder / "README.md").read_text(encoding="utf-8").lower()
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.folder)
+@pytest.mark.parametrize("example", CALCULATED)
 def test_noise_is_what_the_file_says(example: Example) -> None:
     problem = load_problem(HERE / example.folder / "problem.yaml")
     truth = problem.values([example.truth[name] for name in problem.free_names])

@@ -50,6 +50,7 @@ def supervised(fleet: Fleet, seconds: float) -> None:
         time.sleep(0.1)
 
 
+@pytest.mark.slow  # the next one has an agent that does a job alone, too
 @pytest.mark.timeout(900)
 def test_an_agent_does_a_job_alone_and_ends_without_work(tmp_path: Path) -> None:
     place = Installation(tmp_path, f"sqlite:///{tmp_path / 'jobs.db'}")

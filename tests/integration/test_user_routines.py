@@ -77,6 +77,7 @@ def test_the_kernels_of_a_registered_routine_are_compiled_before_its_first_evalu
     assert groups_of(problem.forward_model) == ()  # what is missing is told elsewhere
 
 
+@pytest.mark.slow
 def test_a_registered_routine_calibrates_as_in_process(models: Path, tmp_path: Path) -> None:
     here = load_problem(
         written(

@@ -12,8 +12,8 @@ from scripts.reader import ReaderError, left_over
 from scripts.tutorials import PAGES, PICTURE, follow
 
 NAMES = sorted(path.stem for path in PAGES.glob("*.md") if path.stem != "README")
-QUICK = ["python-function", "reading-a-report", "what-can-the-test-tell"]
-"""These run by default: at most 20 seconds of processor time each."""
+QUICK = ["python-function"]
+"""Runs by default: 10 seconds of processor time."""
 
 
 @pytest.mark.slow

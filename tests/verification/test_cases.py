@@ -9,8 +9,14 @@ from geoswarm.verification.catalogue import find_cases
 from geoswarm.verification.results import check_row
 from geoswarm.verification.run import run_cases
 
+LONG = {"fem-infinite-slope"}
+"""In the long run only: tests/verification/fem/test_strength_change.py has infinite slopes by default."""
 
-@pytest.mark.parametrize("case", find_cases(), ids=lambda case: case.name)
+
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.name in LONG else []) for case in find_cases()],
+)
 def test_the_case_holds(case: Case) -> None:
     (outcome,) = run_cases([case])
     assert outcome.state == "holds", outcome.problem or [
