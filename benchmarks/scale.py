@@ -57,7 +57,7 @@ from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import unpack_problem
+from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.waker import NoWaker
 from tests.servers import PostgresServer
 
@@ -110,7 +110,7 @@ class Job:
         assert row is not None
         self.id = job_id
         self.workers = workers
-        self.course = Course(Calibration(parse_problem(unpack_problem(row.problem)), row.seed))
+        self.course = Course(Calibration(problem_of(row.problem), row.seed))
         self.bell = asyncio.Condition()
 
     async def wake(self, times: int) -> None:

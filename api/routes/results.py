@@ -23,7 +23,6 @@ from geoswarm.api.schemas.responses import (
 from geoswarm.records.evaluation import COLUMNS, Best, Evaluation
 from geoswarm.records.progress import Progress
 from geoswarm.records.states import EvaluationState
-from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.system.extras import needs_extra
 from geoswarm.solver.words import csv_cell
 
@@ -73,7 +72,7 @@ def best(job_id: JobId, service: Service) -> Best:
             kind="no-best-evaluation",
             title="No best evaluation yet",
         )
-    problem = parse_problem(service.problem(job_id))
+    problem = service.parsed_problem(job_id)
     return Best(
         generation=view.generation,
         particle=view.particle,

@@ -47,7 +47,20 @@ def test_owners_see_their_own_jobs_and_administrators_all(service: JobService) -
 
 @ON_SQLITE
 @pytest.mark.parametrize(
-    "method", ["get", "problem", "cancel", "pause", "resume", "delete", "best", "evaluations", "generations", "events"]
+    "method",
+    [
+        "get",
+        "problem",
+        "parsed_problem",
+        "cancel",
+        "pause",
+        "resume",
+        "delete",
+        "best",
+        "evaluations",
+        "generations",
+        "events",
+    ],
 )
 def test_the_job_of_somebody_else_is_not_there(service: JobService, method: str) -> None:
     job, _ = service.on_behalf_of(ALICE).submit(problem())

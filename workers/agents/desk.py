@@ -15,7 +15,6 @@ from typing import Any
 from sqlalchemy import Connection
 
 from geoswarm.solver.errors import ProblemError, SolverError
-from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.runner.evaluator import BuildError
 from geoswarm.solver.system.versions import versions
 from geoswarm.workers.agents.method_process import MethodProcess, begin
@@ -33,8 +32,9 @@ from geoswarm.workers.queries.queue import most_urgent_job, note_served, open_ne
 from geoswarm.workers.queries.workers import busy_workers, count_live
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
+from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
 from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.waker import Waker
 
 __all__ = ["AgentDesk", "OpenWork", "accepts"]
@@ -391,7 +391,7 @@ def _words(prepared: Prepared) -> frozenset[str]:
 def _needs(row: Record) -> str:
     """What a job needs that was submitted to an earlier version."""
     try:
-        return needs_of(parse_problem(unpack_problem(row.problem)).forward_model)
+        return needs_of(problem_of(row.problem).forward_model)
     except SolverError:
         return UNREAD
 

@@ -15,7 +15,7 @@ from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.course import Course
 from geoswarm.solver.forward.base import ForwardModelSpec
 from geoswarm.solver.forward.registry import BUILT_IN
-from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.registered.spec import RegisteredSpec
 from geoswarm.solver.warm import OTHER_LAWS, groups_of
 from geoswarm.workers.execution.sandbox import limits_of
@@ -23,7 +23,7 @@ from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.queries.offers import read_offer
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import unpack_problem
+from geoswarm.workers.store.problems import problem_of
 
 __all__ = ["Prepared", "PreparedJobs", "frame_of", "is_need", "needs_of", "registered_need"]
 
@@ -81,7 +81,7 @@ class PreparedJobs:
         row = self._store.read(lambda connection: get_problem(connection, job_id))
         if row is None:
             return None
-        problem = parse_problem(unpack_problem(row.problem))
+        problem = problem_of(row.problem)
         offer = self._store.read(lambda connection: read_offer(connection, job_id)) if problem.warm_start else None
         frame, shared = frame_of(problem, self._settings)
         made = Prepared(job_id, Course(Calibration(problem, row.seed, offer)), frame, shared)

@@ -14,7 +14,7 @@ from sqlalchemy import Connection, update
 from geoswarm.records.states import ENDED_STATES, JOB_STATES
 from geoswarm.solver.course import search_criteria, stop_criteria
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.problem import Problem, Stopping, parse_problem
+from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.running import least_answer
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.progress.stopping import (
@@ -29,7 +29,8 @@ from geoswarm.workers.errors import InvalidTransitionError, NothingLeftError
 from geoswarm.workers.queries.jobs import LockedJob, get_problem
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import GoOnRequested, Transition, apply
-from geoswarm.workers.store.codec import pack_json, unpack_json, unpack_problem
+from geoswarm.workers.store.codec import pack_json, unpack_json
+from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.store.tables import jobs
 
 __all__ = ["change_stopping", "changed_criteria"]
@@ -72,7 +73,7 @@ def change_stopping(
     if stored is None:
         raise RuntimeError(f"job {locked.id} has a row but no problem")
     wanted = stopping.model_dump(mode="json", exclude_none=True)
-    problem = parse_problem(unpack_problem(stored.problem) | {"stopping": wanted})
+    problem = problem_of(stored.problem, pack_json(wanted))
     planned = problem.planned_evaluations
     if problem.method.role == "sampling" and planned != row.max_evaluations:
         raise ProblemError(

@@ -20,7 +20,7 @@ from geoswarm.records.states import ENDED_STATES, SERVED_STATES
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.course import Course
 from geoswarm.solver.errors import InfeasibleSpaceError
-from geoswarm.solver.problem import Stopping, parse_problem
+from geoswarm.solver.problem import Stopping
 from geoswarm.solver.problem.running import Failures
 from geoswarm.solver.progress.state import Progress
 from geoswarm.solver.runs.runlog import RunKey, RunLog
@@ -54,8 +54,9 @@ from geoswarm.workers.states.job import (
     apply,
 )
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import pack_json, unpack_problem
+from geoswarm.workers.store.codec import pack_json
 from geoswarm.workers.store.event_listener import insert_events
+from geoswarm.workers.store.problems import problem_of, unpack_problem
 
 __all__ = ["Runtime"]
 
@@ -144,7 +145,7 @@ class Runtime:
         row = get_problem(connection, locked.id)
         state = None if locked.row.retry_to in ENDED_STATES else "cancelled"
         if row is not None:
-            problem = parse_problem(unpack_problem(row.problem))
+            problem = problem_of(row.problem)
             finish_retry(connection, locked, problem, gap=self.settings.lease_seconds, state=state)
 
     def start(self, job_id: str, progress: Progress | InfeasibleSpaceError) -> None:

@@ -33,8 +33,8 @@ from geoswarm.workers.queries.queue import most_urgent_job, take_turn
 from geoswarm.workers.queries.workers import begin_build, count_live, end_build, forget_worker
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import unpack_problem
 from geoswarm.workers.store.database import Record
+from geoswarm.workers.store.problems import unpack_problem
 from geoswarm.workers.tracing import span
 from geoswarm.workers.waker import Waker
 

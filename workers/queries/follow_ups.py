@@ -10,9 +10,10 @@ from sqlalchemy import Connection, select
 from geoswarm.records.states import DONE_STATES
 from geoswarm.solver.calibration import Evaluation
 from geoswarm.solver.methods.registry import kinds_of
-from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem import Problem
 from geoswarm.workers.queries.selection import read_evaluations
 from geoswarm.workers.store.codec import unpack_array, unpack_json, unpack_responses
+from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.store.tables import jobs
 
 __all__ = ["StoredFollowUp", "evaluations_in_order", "follow_ups_of"]
@@ -34,7 +35,7 @@ class StoredFollowUp:
     @property
     def problem(self) -> Problem:
         """Its problem."""
-        return parse_problem(unpack_json(self.document))
+        return problem_of(self.document)
 
 
 def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:

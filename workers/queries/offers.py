@@ -12,14 +12,15 @@ from sqlalchemy import Connection, insert, select, update
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import WarmStartRuns
 from geoswarm.solver.errors import Issue, ProblemError
-from geoswarm.solver.problem import Points, Problem, parse_problem
+from geoswarm.solver.problem import Points, Problem
 from geoswarm.solver.runs.warm_start import OTHER_MODEL, EarlierRuns, best_of, forward_model_hash, offer_of, usable_runs
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.queries.selection import MOST_READ, MOST_VALUES
-from geoswarm.workers.store.codec import pack_array, pack_responses, unpack_array, unpack_problem, unpack_responses
+from geoswarm.workers.store.codec import pack_array, pack_responses, unpack_array, unpack_responses
 from geoswarm.workers.store.database import Record, Store
+from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.store.tables import evaluations, jobs, offers
 
 __all__ = ["WarmStart", "find_offer", "find_warm_starts", "read_offer", "write_offer"]
@@ -134,7 +135,7 @@ def _stored_problem(store: Store, job_id: str) -> Problem:
     row = store.read(lambda connection: get_problem(connection, job_id))
     if row is None:
         raise JobNotFoundError(job_id)
-    return parse_problem(unpack_problem(row.problem))
+    return problem_of(row.problem)
 
 
 def _slim(store: Store, job_id: str) -> Problem:

@@ -13,14 +13,15 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.forward.continuum.fields import body_of, parts_with_body, shear_strain
 from geoswarm.solver.forward.continuum.model import BodyModel
-from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem import Problem
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.errors import JobNotFoundError, NoBodyError
 from geoswarm.workers.execution.sandbox import Sandbox
 from geoswarm.workers.queries import jobs
 from geoswarm.workers.queries.evaluations import get_evaluation
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import unpack_array, unpack_problem, unpack_responses
+from geoswarm.workers.store.codec import unpack_array, unpack_responses
+from geoswarm.workers.store.problems import problem_of
 
 __all__ = ["EvaluatedBody", "BodyService", "Fields", "Vector"]
 
@@ -197,13 +198,10 @@ class BodyService:
         return row, get_evaluation(connection, job_id, generation, particle)
 
     def _problem(self, job_id: str) -> Problem:
-        def make() -> Problem:
-            stored = self._store.read(lambda c: jobs.get_problem(c, job_id))
-            if stored is None:
-                raise JobNotFoundError(job_id)
-            return parse_problem(unpack_problem(stored.problem))
-
-        return self._cache.once((job_id, "problem"), make)
+        stored = self._store.read(lambda c: jobs.get_problem(c, job_id))
+        if stored is None:
+            raise JobNotFoundError(job_id)
+        return problem_of(stored.problem)
 
 
 def _vectors(

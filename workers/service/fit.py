@@ -12,7 +12,7 @@ import numpy.typing as npt
 from geoswarm.records.evaluation import Evaluation
 from geoswarm.records.fit import Fit, FitCurve, FitDiagram, FitDiagrams, FitParameter, FitSeries
 from geoswarm.records.statistics import SeriesShare
-from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem, parse_problem
+from geoswarm.solver.problem import FreeParameter, LinkedParameter, Problem
 from geoswarm.solver.problem.weighting import series_shares
 from geoswarm.solver.report.curves import load_times, objective_unit, residuals_in
 from geoswarm.solver.report.figures.labels import parameter_labels
@@ -43,7 +43,7 @@ def fit_of(service: JobService, job_id: str, chosen: tuple[int, int] | None = No
     EvaluationNotFoundError
         When there is no such evaluation.
     """
-    problem = parse_problem(service.problem(job_id))
+    problem = service.parsed_problem(job_id)
     first = service.evaluations(job_id, generation=0, state="finished", limit=1, responses=True).items
     best = service.best(job_id)
     found: list[tuple[Literal["initial", "best", "chosen"], Evaluation]] = [("initial", view) for view in first]
@@ -70,7 +70,7 @@ def diagrams_of(service: JobService, job_id: str) -> FitDiagrams:
     from geoswarm.solver.report.compression import compression_curves  # with Numba and SciPy
     from geoswarm.solver.report.diagrams import diagram_curves
 
-    problem = parse_problem(service.problem(job_id))
+    problem = service.parsed_problem(job_id)
     best = service.best(job_id)
     if best is None:
         return FitDiagrams(items=[])

@@ -22,7 +22,7 @@ from geoswarm.solver.calibration import choose_seed
 from geoswarm.solver.errors import Issue, ProblemError
 from geoswarm.solver.forward.registry import PROGRAMS_REFUSED
 from geoswarm.solver.plausibility import require_possible
-from geoswarm.solver.problem import Problem, Stopping, parse_problem
+from geoswarm.solver.problem import Problem, Stopping
 from geoswarm.solver.problem.checks.extremes import extreme_issues
 from geoswarm.solver.runs.check import CheckReport
 from geoswarm.solver.runs.warm_start import forward_model_hash
@@ -49,7 +49,8 @@ from geoswarm.workers.service.records import JobRecords, clip
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import CancelRequested, PauseRequested, Request, ResumeRequested
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json, unpack_problem
+from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
+from geoswarm.workers.store.problems import problem_of, unpack_problem
 from geoswarm.workers.waker import Waker
 
 if TYPE_CHECKING:
@@ -185,7 +186,7 @@ class JobService(JobRecords):
             "max_evaluations": problem.planned_evaluations,
             "idempotency_key": stored_key,
             "owner": owner,
-            "body_hash": _body_hash(problem),
+            "body_hash": _hash(documents["problem"]),
             "forward_hash": forward_model_hash(problem),
             "needs": needs_of(problem.forward_model),
             **documents,
@@ -225,12 +226,28 @@ class JobService(JobRecords):
     def problem(self, job_id: str) -> dict[str, Any]:
         """Return the canonical problem document of a job."""
 
+        return unpack_problem(*self._stored_problem(job_id))
+
+    def parsed_problem(self, job_id: str) -> Problem:
+        """Return the problem of a job.
+
+        Raises
+        ------
+        JobNotFoundError
+        ProblemError
+            When this version cannot read it any more.
+        """
+        return problem_of(*self._stored_problem(job_id))
+
+    def _stored_problem(self, job_id: str) -> tuple[str, str | None]:
+        """Its document, and its stop criteria where they were changed, as they are stored."""
+
         def work(connection: Connection) -> Any:
             self._row(connection, job_id)
             return jobs.get_problem(connection, job_id)
 
         row = self.store.read(work)
-        return unpack_problem(row.problem, row.stopping)
+        return row.problem, row.stopping
 
     def list(
         self, filters: JobFilters | None = None, *, limit: int = 50, cursor: str | None = None, trend: int = 0
@@ -384,7 +401,7 @@ class JobService(JobRecords):
         """Whether a stored problem is the same with the defaults of this version, which may have more of them."""
         row = jobs.get_problem(connection, job_id)
         try:
-            return row is not None and _body_hash(parse_problem(unpack_problem(row.problem))) == body_hash
+            return row is not None and _hash(pack_json(problem_of(row.problem).document())) == body_hash
         except ProblemError:  # no longer accepted
             return False
 
@@ -416,5 +433,5 @@ class JobService(JobRecords):
         return self.get(job_id)
 
 
-def _body_hash(problem: Problem) -> str:
-    return hashlib.sha256(json.dumps(problem.document(), sort_keys=True, allow_nan=False).encode()).hexdigest()
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -17,7 +17,6 @@ from geoswarm.records.progress import Progress
 from geoswarm.records.record import Page
 from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES
 from geoswarm.solver.calibration import search_space
-from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.search.space import diversity
 from geoswarm.workers.errors import EvaluationNotFoundError
 from geoswarm.workers.queries import jobs
@@ -29,7 +28,8 @@ from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.queries.views import attempt_views, evaluation_view, event_view, generation_view
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import unpack_array, unpack_problem
+from geoswarm.workers.store.codec import unpack_array
+from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.store.tables import evaluations
 
 __all__ = ["JobRecords", "clip", "diversities"]
@@ -247,7 +247,7 @@ def diversities(connection: Connection, job_id: str, first: int, last: int) -> d
     row = get_problem(connection, job_id)
     if row is None:
         return {}
-    space = search_space(parse_problem(unpack_problem(row.problem)))
+    space = search_space(problem_of(row.problem))
     statement = (
         select(evaluations.c.generation, evaluations.c.parameters)
         .where(evaluations.c.job_id == job_id, evaluations.c.generation.between(first, last))

@@ -18,7 +18,7 @@ from geoswarm.solver.identifiability.stored.findings import Findings, answer_of,
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of, same_question
 from geoswarm.solver.identifiability.stored.posterior import Posterior, sample_posterior
 from geoswarm.solver.identifiability.weighting import Weighting
-from geoswarm.solver.problem import Problem, parse_problem
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.answer import Answer
 from geoswarm.solver.report.compared import Compared
 from geoswarm.solver.report.document.build import Report, linearise_stored
@@ -44,9 +44,9 @@ from geoswarm.workers.store.codec import (
     to_optional_datetime,
     unpack_array,
     unpack_json,
-    unpack_problem,
     unpack_responses,
 )
+from geoswarm.workers.store.problems import problem_of
 
 __all__ = ["StatisticsService", "StoredJob"]
 
@@ -268,7 +268,7 @@ def _read(connection: Connection, row: Any) -> StoredJob:
     stored = jobs.get_problem(connection, job_id)
     if stored is None:
         raise JobNotFoundError(job_id)
-    problem = parse_problem(unpack_problem(stored.problem, stored.stopping))
+    problem = problem_of(stored.problem, stored.stopping)
     progress = jobs.get_progress(connection, job_id)
     answer = None if progress is None else progress.answer
     samples, failures = _samples(connection, row, problem, None if answer is None else answer.generation)

@@ -10,6 +10,7 @@
 ``migrations``      alembic migrations of the database; applied by ``geoswarm.workers.store.migrate``
 ``outbox``          records, in the transaction that ends a job, whom to notify: once committed, no notification is lost
 ``prepared``        statements that a connection to PostgreSQL has prepared, executed by libpq
+``problems``        the documents and problems of stored jobs; a process parses each once
 ``statements``      statements that each exchange executes: built and compiled once, and given to the driver as they are
 ``tables``          tables of the store
 ==================  ====================================================================================================

@@ -21,7 +21,6 @@ __all__ = [
     "to_optional_datetime",
     "unpack_array",
     "unpack_json",
-    "unpack_problem",
     "unpack_responses",
 ]
 
@@ -58,20 +57,6 @@ def pack_json(value: Any) -> str:
 def unpack_json(text: str) -> Any:
     """Invert :func:`pack_json`."""
     return json.loads(text)
-
-
-def unpack_problem(text: str, stopping: str | None = None) -> dict[str, Any]:
-    """Return a stored problem document with what earlier versions did not write: their swarms were not accelerated.
-
-    ``stopping`` replaces its stop criteria, where they were changed since.
-    """
-    document: dict[str, Any] = json.loads(text)
-    if stopping is not None:
-        document["stopping"] = json.loads(stopping)
-    method = document.get("method")
-    if isinstance(method, dict) and method.get("kind") == "particle_swarm":
-        method.setdefault("acceleration", "none")
-    return document
 
 
 def pack_responses(responses: Mapping[str, FloatArray]) -> bytes:

@@ -1,0 +1,57 @@
+"""The problems of stored jobs: their documents, and the problems themselves, each parsed once a process."""
+
+from __future__ import annotations
+
+import json
+import threading
+from typing import Any
+
+from cachetools import LRUCache
+
+from geoswarm.solver.forward.registry import BUILT_IN
+from geoswarm.solver.problem import Problem, parse_problem
+
+__all__ = ["problem_of", "unpack_problem"]
+
+KEPT = 16
+
+_kept: LRUCache[tuple[str, str | None], Problem] = LRUCache(KEPT)
+_lock = threading.Lock()
+
+
+def unpack_problem(text: str, stopping: str | None = None) -> dict[str, Any]:
+    """Return a stored problem document with what earlier versions did not write: their swarms were not accelerated.
+
+    ``stopping`` replaces its stop criteria, where they were changed since.
+    """
+    document: dict[str, Any] = json.loads(text)
+    if stopping is not None:
+        document["stopping"] = json.loads(stopping)
+    method = document.get("method")
+    if isinstance(method, dict) and method.get("kind") == "particle_swarm":
+        method.setdefault("acceleration", "none")
+    return document
+
+
+def problem_of(text: str, stopping: str | None = None) -> Problem:
+    """Return the problem of a stored document; the last ones are kept, unless packages or files define them.
+
+    Parameters
+    ----------
+    text, stopping
+        As in :func:`unpack_problem`.
+
+    Raises
+    ------
+    ProblemError
+        When this version cannot read it any more.
+    """
+    key = text, stopping
+    with _lock:
+        if key in _kept:
+            return _kept[key]
+    problem = parse_problem(unpack_problem(text, stopping))
+    if {part.kind for part in problem.forward_model.by_part().values()} <= BUILT_IN.keys() - {"registered"}:
+        with _lock:
+            _kept[key] = problem
+    return problem
