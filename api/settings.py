@@ -6,11 +6,11 @@ import ipaddress
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr, ValidationError, field_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SecretStr, field_validator
 
 from geoswarm.api.errors import ApiSettingsError
 from geoswarm.api.schemas.agents import LONGEST_WAIT
-from geoswarm.environment import SecretFileError, given_settings, listed, settings_mistakes
+from geoswarm.environment import listed, read_settings
 from geoswarm.workers.agents.handed_out import read_list
 from geoswarm.workers.errors import ModelsUnavailableError
 
@@ -176,9 +176,4 @@ class ApiSettings(BaseModel):
         ApiSettingsError
             Naming the variable, its value unless it is secret, and what it accepts.
         """
-        try:
-            return cls(**given_settings(VARIABLES, overrides))
-        except SecretFileError as error:
-            raise ApiSettingsError(str(error)) from None
-        except ValidationError as error:
-            raise ApiSettingsError(settings_mistakes(error, VARIABLES, overrides)) from None
+        return read_settings(cls, VARIABLES, overrides, ApiSettingsError)

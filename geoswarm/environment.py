@@ -8,14 +8,16 @@ environment that a child process inherits.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
-    from pydantic import ValidationError
+    from pydantic import BaseModel, ValidationError
 
-__all__ = ["SECRETS", "SecretFileError", "given_settings", "listed", "secret", "settings_mistakes", "without_secrets"]
+__all__ = ["SECRETS", "SecretFileError", "listed", "read_settings", "secret", "without_secrets"]
+
+Settings = TypeVar("Settings", bound="BaseModel")
 
 SECRETS = ("GEOSWARM_DATABASE_URL", "GEOSWARM_BROKER_URL", "GEOSWARM_API_KEY", "GEOSWARM_KEY", "GEOSWARM_SMTP_PASSWORD")
 """Variables with passwords and keys."""
@@ -58,44 +60,47 @@ def without_secrets(environment: Mapping[str, str]) -> dict[str, str]:
     return {name: value for name, value in environment.items() if name not in hidden}
 
 
-def given_settings(variables: Mapping[str, str], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings that are given: the overrides that are not None, else what the variables hold.
+def read_settings(
+    kind: type[Settings], variables: Mapping[str, str], overrides: Mapping[str, Any], wrong: type[Exception]
+) -> Settings:
+    """Return settings of a kind: the overrides that are not None, else what the variables hold.
 
     Parameters
     ----------
     variables
         Name of the variable by field. An empty one counts as not set; one of :data:`SECRETS` may name a file.
+    wrong
+        The error that is raised.
 
     Raises
     ------
-    SecretFileError
+    Exception
+        ``wrong``: names the setting or its variable, its value unless it is secret, and what is accepted.
     """
+    from pydantic import ValidationError  # secrets are read without it
+
     given = {field: value for field, value in overrides.items() if value is not None}
-    for field, variable in variables.items():
-        if field not in given and (value := secret(variable) if variable in SECRETS else os.environ.get(variable)):
-            given[field] = value
-    return given
+    try:
+        for field, variable in variables.items():
+            if field not in given and (value := secret(variable) if variable in SECRETS else os.environ.get(variable)):
+                given[field] = value
+        return kind(**given)
+    except SecretFileError as error:
+        raise wrong(str(error)) from None
+    except ValidationError as error:
+        raise wrong("; ".join(_mistakes(error, variables, overrides))) from None
 
 
-def settings_mistakes(error: ValidationError, variables: Mapping[str, str], overrides: Mapping[str, Any]) -> str:
-    """Tell of each wrong setting its name or that of its variable, its value unless it is secret, and what is accepted.
-
-    Parameters
-    ----------
-    variables, overrides
-        As for :func:`given_settings`.
-    """
-    told = []
+def _mistakes(error: ValidationError, variables: Mapping[str, str], overrides: Mapping[str, Any]) -> Iterator[str]:
     for item in error.errors(include_url=False):
         field = str(item["loc"][0]) if item["loc"] else ""
         variable = variables.get(field, field)
         name = field if overrides.get(field) is not None else variable
         if item["type"] == "value_error":  # of our own, with the value where it is no secret
-            told.append(f"{name} {item['ctx']['error']}".lstrip())
+            yield f"{name} {item['ctx']['error']}".lstrip()
         else:
             value = "" if variable in SECRETS else f" {item['input']!r:.100}"
-            told.append(f"{name}{value}: {item['msg']}")
-    return "; ".join(told)
+            yield f"{name}{value}: {item['msg']}"
 
 
 def listed(value: Any) -> Any:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError
 
-from geoswarm.environment import SecretFileError, given_settings, listed, settings_mistakes
+from geoswarm.environment import listed, read_settings
 from geoswarm.workers.errors import SettingsError
 
 __all__ = ["Settings", "mask_url"]
@@ -199,9 +199,4 @@ class Settings(BaseModel):
         SettingsError
             Names the setting, its value unless it is secret, and what would be accepted.
         """
-        try:
-            return cls(**given_settings(VARIABLES, overrides))
-        except SecretFileError as error:
-            raise SettingsError(str(error)) from None
-        except ValidationError as error:
-            raise SettingsError(settings_mistakes(error, VARIABLES, overrides)) from None
+        return read_settings(cls, VARIABLES, overrides, SettingsError)

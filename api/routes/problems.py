@@ -55,8 +55,7 @@ async def check(document: ProblemDocument, request: Request, service: Service) -
 async def warm_starts(document: ProblemDocument, service: Service) -> WarmStarts:
     """List earlier jobs with the same forward model whose stored evaluations the search can use."""
     problem = await anyio.to_thread.run_sync(parse_problem, document)
-    earlier = await anyio.to_thread.run_sync(service.warm_starts, problem)
-    return WarmStarts.model_validate({"items": [asdict(job) for job in earlier]})
+    return WarmStarts(items=await anyio.to_thread.run_sync(service.warm_starts, problem))
 
 
 @router.post("/read", responses=problems_of(400, 408, 413, 415), openapi_extra={"requestBody": PROBLEM_BODY})

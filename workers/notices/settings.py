@@ -11,12 +11,11 @@ from pydantic import (
     ConfigDict,
     Field,
     SecretStr,
-    ValidationError,
     field_validator,
     model_validator,
 )
 
-from geoswarm.environment import SecretFileError, given_settings, listed, settings_mistakes
+from geoswarm.environment import listed, read_settings
 from geoswarm.workers.errors import SettingsError
 from geoswarm.workers.secrets import is_loopback
 
@@ -149,9 +148,4 @@ class NoticeSettings(BaseModel):
         SettingsError
             Names the setting, its value unless it is secret, and what would be accepted.
         """
-        try:
-            return cls(**given_settings(VARIABLES, overrides))
-        except SecretFileError as error:
-            raise SettingsError(str(error)) from None
-        except ValidationError as error:
-            raise SettingsError(settings_mistakes(error, VARIABLES, overrides)) from None
+        return read_settings(cls, VARIABLES, overrides, SettingsError)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from sqlalchemy import Connection, insert, select, update
 
+from geoswarm.records.problem import WarmStart
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import WarmStartRuns
 from geoswarm.solver.errors import Issue, ProblemError
@@ -23,18 +24,9 @@ from geoswarm.workers.store.database import Record, Store
 from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.store.tables import evaluations, jobs, offers
 
-__all__ = ["WarmStart", "find_offer", "find_warm_starts", "read_offer", "write_offer"]
+__all__ = ["find_offer", "find_warm_starts", "read_offer", "write_offer"]
 
 _LOOKED_AT, _SUGGESTED, _COUNTED = 50, 5, 2000  # newest jobs of the kind; those named; evaluations of each
-
-
-@dataclass(frozen=True, slots=True)
-class WarmStart:
-    """An earlier job with the same forward model; ``evaluations`` of it could be taken over at no cost."""
-
-    job: str
-    name: str
-    evaluations: int
 
 
 def find_offer(store: Store, problem: Problem, visible: Callable[[Connection, str], object]) -> WarmStartRuns | None:
@@ -98,7 +90,7 @@ def find_warm_starts(store: Store, problem: Problem, owner: str | None, cache: C
             continue
         usable = usable_runs(problem, earlier, _parameters(earlier, runs))
         if not isinstance(usable, str):
-            found.append(WarmStart(row.id, row.name, len(usable[1])))
+            found.append(WarmStart(job=row.id, name=row.name, evaluations=len(usable[1])))
         if len(found) == _SUGGESTED:
             break
     return found

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy import Connection
 
 from geoswarm.records.job import Event, Job
+from geoswarm.records.problem import WarmStart
 from geoswarm.records.record import Page
 from geoswarm.records.service import Worker
 from geoswarm.records.states import SERVED_STATES
@@ -42,7 +43,7 @@ from geoswarm.workers.operations.probe import OneAtATime, Probe
 from geoswarm.workers.operations.retention import delete_job
 from geoswarm.workers.queries import jobs
 from geoswarm.workers.queries.job_list import JobFilters, count_jobs, label_job, list_jobs, list_trends
-from geoswarm.workers.queries.offers import WarmStart, find_offer, find_warm_starts, write_offer
+from geoswarm.workers.queries.offers import find_offer, find_warm_starts, write_offer
 from geoswarm.workers.queries.views import event_view, job_view, worker_view
 from geoswarm.workers.queries.workers import current_work, list_workers
 from geoswarm.workers.service.records import JobRecords, clip
