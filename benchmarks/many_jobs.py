@@ -77,7 +77,7 @@ def copies(store: Store, template: str, count: int) -> None:
 
 
 def generation_events(store: Store, job_id: str) -> None:
-    """Enter what is told of each generation."""
+    """Enter the results of each generation."""
     store.write(
         lambda c: c.execute(
             text(

@@ -37,6 +37,6 @@ def blocks(page: str) -> Iterator[Block]:
 
 
 def printed_as_told(told: str, printed: str) -> bool:
-    """Return whether an output contains what a page tells of it: `...` is anything, white space does not count."""
+    """Return whether an output contains what a page shows of it: `...` is anything, white space does not count."""
     pattern = ".*".join(r"\s+".join(map(re.escape, part.split())) for part in told.split("..."))
     return re.search(pattern, " ".join(printed.split()), re.DOTALL) is not None

@@ -18,7 +18,7 @@ from scripts.blocks import Block
 
 ROOT = Path(__file__).resolve().parents[1]
 LONGEST = 280.0
-"""A block may take so many seconds."""
+"""Seconds that a block may take."""
 
 
 PROGRAMS = ".programs"

@@ -101,7 +101,7 @@ class EventFeed:
     service
         Where events are read.
     poll_seconds
-        Interval at which the watched jobs are looked at [s] where the database does not tell of events by itself.
+        Interval at which the watched jobs are looked at [s] where the database sends no notifications of events.
     heartbeat_seconds
         Twice the silence after which :meth:`listen` yields None [s].
     """

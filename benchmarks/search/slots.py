@@ -48,7 +48,7 @@ def lengths(seed: int, generation: int, count: int, long: float) -> FloatArray:
 def simulate(
     task: Task, seed: int, slots: int, *, particles: int, overlap: bool, long: float = LONG, target: bool = True
 ) -> Timed:
-    """Run one search on so many slots; without ``target`` it ends after 150 runs."""
+    """Run one search on a number of slots; without ``target`` it ends after 150 runs."""
     settings = SwarmSettings(particles=particles, acceleration="response_surface")
     space = task.calibration.space
     begin = ParticleSwarm.begin_overlapping if overlap else ParticleSwarm

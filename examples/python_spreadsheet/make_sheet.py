@@ -1,6 +1,6 @@
 """Writes the spreadsheet of this example, settlement.fods.in: OpenDocument in one text file.
 
-Only needed to change it; one may as well save a sheet of one's own as "Flat XML ODF Spreadsheet (.fods)", and put
+Only needed to change it; you can also save your own sheet as "Flat XML ODF Spreadsheet (.fods)", and put
 the names of parameters in place of the numbers of some cells with a text editor.
 """
 

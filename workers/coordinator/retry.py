@@ -190,7 +190,7 @@ def _some_kept(connection: Connection, here: ColumnElement[bool]) -> bool:
 
 
 def _refresh_generations(connection: Connection, locked: LockedJob) -> None:
-    """Let the rows of generations with another try say what their best evaluation is; totals stay as they were told."""
+    """Renew the best evaluation in the rows of generations with another try; totals stay as they were reported."""
     touched = select(attempts.c.generation).where(attempts.c.job_id == locked.id).distinct()
     lowest = (
         select(func.min(evaluations.c.objective))

@@ -23,7 +23,7 @@ def remote_waker(settings: Settings) -> Waker:
 
 
 def run_sweep(settings: Settings) -> None:
-    """Sweep, and tell of jobs that have ended, until SIGINT or SIGTERM: the process behind ``geoswarm sweep``.
+    """Sweep, and send notifications of ended jobs, until SIGINT or SIGTERM: the process behind ``geoswarm sweep``.
 
     Raises
     ------

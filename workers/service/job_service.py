@@ -338,7 +338,7 @@ class JobService(JobRecords):
     def retry_failed(self, job_id: str) -> tuple[Job, int]:
         """Run the failed evaluations of a paused or ended job again, and only them; return the job and their number.
 
-        What the search was told stays as it was; see :mod:`geoswarm.workers.coordinator.retry`.
+        What the search has learned stays as it was; see :mod:`geoswarm.workers.coordinator.retry`.
 
         Raises
         ------

@@ -250,7 +250,7 @@ class StatisticsService:
             return row, follow_ups_of(connection, row)
 
         row, follow_ups = self._store.read(read)
-        # The last two tell of failures that were run again.
+        # The last two change when failures are run again.
         own = (job_id, row.state, row.evaluations, row.failed_evaluations, row.finished_at)
         return *own, *((f.id, f.state, f.evaluations) for f in follow_ups)
 
