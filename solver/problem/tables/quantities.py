@@ -219,8 +219,8 @@ def offset_in(line: str) -> str | None:
 
 _COLUMN_OF_FACTORS = re.compile(
     r"(?:(?:umrechnungs|skalierungs|mess(?:wert)?|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling|conversion"
-    r"|calibration)[ -]?)?(?:fa[ck]tor(?:s|en)?|multiplikator|multiplier|skalierung|scale"
-    r"|ma(?:ß|ss)stab|exponent|zehnerpotenz|power of (?:ten|10)|10\s*(?:\^|\*\*))(?![^\W\d_])(?! of safety)",
+    r"|calibration)[ -]?)?(?:fa[ck]tor(?:s|en)?|multiplikator|multiplier|skalierung|scale|gain"
+    r"|verst(?:ä|ae)rkung|amplification|ma(?:ß|ss)stab|exponent|zehnerpotenz|power of (?:ten|10)|10\s*(?:\^|\*\*))(?![^\W\d_])(?! of safety)",
     re.IGNORECASE,
 )
 
@@ -228,7 +228,7 @@ _COLUMN_OF_FACTORS = re.compile(
 def is_column_of_factors(label: str) -> bool:
     """Whether a heading is that of factors of other columns: of the quantity that it names, or of all.
 
-    >>> is_column_of_factors("Umrechnungsfaktor Setzung"), is_column_of_factors("safety factor")
-    (True, False)
+    >>> [is_column_of_factors(one) for one in ("Umrechnungsfaktor Setzung", "Gain", "safety factor")]
+    [True, True, False]
     """
     return _COLUMN_OF_FACTORS.match(label.strip()) is not None

@@ -232,6 +232,8 @@ ROWS = "1;0,1\n2;0,2\n4;0,4\n"
         f"1 działka = 0,01 mm\n{HEAD}\n{ROWS}",
         f"Exponent;0;-2\n{HEAD}\n{ROWS}",
         f"{HEAD};Nr\nmin;mm;-\n1;0,01;Faktor\n1;0,1;1\n2;0,2;2\n",
+        f"{HEAD};Nr\n0,5;100;Gain\n1;0,1;1\n2;0,2;2\n",
+        f"{HEAD};Nr\n0,5;100;Verstärkung\n1;0,1;1\n2;0,2;2\n",
         f"Zeit [min];Setzung (mm) milésimas\n{ROWS}",
         f"Zeit [min];Setzung [mm] w setnych\n{ROWS}",
         f"Zero;0;12,3\n{HEAD}\n{ROWS}",
