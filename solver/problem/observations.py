@@ -354,6 +354,8 @@ def _checked_x(
             return x, (f"{found}; ", setting("x_factor", "-1"), " turns the sign")
         if low == 0.0 and (x >= low).any() and not (x > high + slack).any():
             return x, (f"{found}; ", setting("x_from", "0"), " leaves out what is below 0")
+        if info.x_unit == "day" and _are_calendar_years(x, np.array(given)[kept]):
+            return x, (f"{found}; these may be calendar years: give dates (2019-07-02) or the years since the start",)
         reached = _SPANNED * high, high + slack  # by the readings of a whole test
         meant = meant_unit(float(x.max()), info.x_unit, lambda value: reached[0] <= value <= reached[1], given=unit)
         if meant is not None:
@@ -367,6 +369,11 @@ def _checked_x(
             remedy = same_x_remedy(x[at], starts) if x[at] == x[at + 1] else (setting("sort", "true"), " sorts")
             return x, (f"must increase strictly, but {shown(at + 1)} follows {shown(at)}; ", *remedy)
     return x, ()
+
+
+def _are_calendar_years(days: FloatArray, given: FloatArray) -> bool:
+    """Whether times that were given in years are dates such as 2019.5."""
+    return bool(np.all((given > 1900.0) & (given < 2100.0)) and np.allclose(days, 365.0 * given, rtol=2e-3))
 
 
 def _limits(info: SeriesInfo) -> str:

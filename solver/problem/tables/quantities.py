@@ -220,7 +220,8 @@ def offset_in(line: str) -> str | None:
 _COLUMN_OF_FACTORS = re.compile(
     r"(?:(?:umrechnungs|skalierungs|mess(?:wert)?|multiplikations|kalibrier(?:ungs)?|eich|scale|scaling|conversion"
     r"|calibration)[ -]?)?(?:fa[ck]tor(?:s|en)?|multiplikator|multiplier|skalierung|scale|gain"
-    r"|verst(?:ä|ae)rkung|amplification|ma(?:ß|ss)stab|exponent|zehnerpotenz|power of (?:ten|10)|10\s*(?:\^|\*\*))(?![^\W\d_])(?! of safety)",
+    r"|verst(?:ä|ae)rkung|amplification"
+    r"|ma(?:ß|ss)stab|exponent|zehnerpotenz|power of (?:ten|10)|10\s*(?:\^|\*\*))(?![^\W\d_])(?! of safety)",
     re.IGNORECASE,
 )
 
