@@ -120,7 +120,7 @@ def test_without_one_success_the_job_fails_with_the_reasons_counted() -> None:
     while job.state == "running":
         job = apply(job, GenerationJoined(job.generation, results, 1.0), COURSE).job
     assert job.state == "failed"
-    assert job.error == "all 24 evaluations failed (16 diverged, 8 not_finite); first message: step 3"
+    assert job.error == "all 24 evaluations failed (16 diverged, 8 not finite); first message: step 3"
 
 
 def test_a_program_that_always_fails_ends_the_job_after_its_first_generation() -> None:
