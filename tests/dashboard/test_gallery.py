@@ -100,6 +100,7 @@ def test_lists(
     check_view(page, "jobs-none-matches")
     page.goto("/compare?" + "&".join(f"job={job}" for job in calibrated))
     expect(page.locator("#parameters tr")).to_have_count(7)
+    expect(page.get_by_role("figure", name=re.compile("every stage over the logarithm"))).to_be_visible()
     check_view(page, "compare")
     page.goto("/compare")
     check_view(page, "compare-none")
