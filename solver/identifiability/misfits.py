@@ -203,7 +203,8 @@ def _patterns_of(misfits: Sequence[Misfit]) -> list[Misfit]:
 
 
 def _place(m: Misfit) -> str:
-    return f"{m.x:.4g} {m.x_unit}" if m.x_unit else f"x = {m.x:.4g}"
+    x = number(m.x, plain=True)
+    return f"{x} {m.x_unit}" if m.x_unit else f"x = {x}"
 
 
 def _excluded(m: Misfit) -> str:

@@ -27,6 +27,9 @@ export function alarm(fit, job, link = true) {
         {},
         element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`),
         element("p", {}, fit.sentence),
+        editable
+          ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem"))
+          : null,
       ),
       element(
         "div",
@@ -37,9 +40,6 @@ export function alarm(fit, job, link = true) {
           {},
           fit.what_to_do.map((remedy, i) => element("li", {}, remedyWords(remedy), buttons[i])),
         ),
-        editable
-          ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem"))
-          : null,
       ),
     ),
   ];

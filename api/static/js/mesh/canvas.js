@@ -4,7 +4,7 @@ import { paint } from "./drawing.js";
 import { box } from "./geometry.js";
 
 const SCALES = 110; // px of the canvas for axes, scales and buttons
-const CHROME = 420; // px of the window for what stands above the body: what is shown, its legend, its readings
+const CHROME = 470; // px of the window for what stands above the body: what is shown, its legend, its readings
 const MARGIN = 0.06,
   STEP = 1.4,
   MOVE = 60,

@@ -90,7 +90,7 @@ export function yamlPanel(context, place, strict) {
   }
 
   function item(issue) {
-    const words = `${issue.path ? placeOf(issue.path) : "The problem"}: ${messageOf(issue)}`;
+    const words = `${issue.path ? placeOf(issue.path) : "The problem"}${isTodo(issue) ? "" : ":"} ${messageOf(issue)}`;
     const jump = element(
       "button",
       { type: "button", class: "link", onclick: () => go(issue) },
