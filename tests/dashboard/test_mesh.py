@@ -84,6 +84,8 @@ def test_contours_deformation_and_vectors_are_shown(embedded: Site, visit: Visit
     points = re.findall(r"Point (\w+)\s+x = [\d.]+ m, y = [\d.]+ m", about)
     assert points == sorted(loaded_ground()["forward_model"]["points"]), about
     assert min(canvas.evaluate(TICKS)) > 1
+    page.emulate_media(media="print")
+    expect(page.locator("#controls")).to_be_hidden()
 
 
 def test_another_period_and_another_evaluation_can_be_chosen(embedded: Site, visit: Visit, job: str) -> None:
