@@ -106,9 +106,6 @@ def test_lists(
     check_view(page, "compare-none")
     newcomer, _ = visit(full, "/", key=full.key("newcomer"), **LOOKS[look])
     expect(newcomer.get_by_role("heading", name="No jobs yet")).to_be_visible()
-    expect(newcomer.get_by_role("link", name="Try the oedometer example")).to_have_attribute(
-        "href", "/new?example=oedometer"
-    )
     check_view(newcomer, "jobs-empty")
 
 
