@@ -1,13 +1,14 @@
 // Paints a body on a canvas: regions or contours, deformed as wanted, with its mesh, outline and vectors.
 import { COLOURS, tickText, ticks } from "../scales.js";
 import { colour, palette } from "../plot.js";
-import { PIECES, between, roundDown } from "./geometry.js";
+import { PIECES, between, roundDown, thickness } from "./geometry.js";
 
 export const INTERFACE = "--series-2"; // its colour
 const LONGEST_ARROW = 0.14;
 const EDGE = 42, // px between the lower edge and what is drawn for scale, for the axis below it
   BETWEEN = 90,
-  TICK = 6;
+  TICK = 6,
+  THIN = 3; // px: lines around thinner triangles would hide their colour
 
 /** Colour of a band, of a number of bands. */
 export function bandColour(band, count) {
@@ -155,7 +156,8 @@ function fineness(triangles, pixels) {
 
 function lines(context, triangles, pixels, paintOf, width) {
   const path = new Path2D();
-  for (const nodes of triangles) triangle(path, nodes, pixels);
+  for (const nodes of triangles)
+    if (thickness(...nodes.slice(0, 3).map((node) => pixels[node])) >= THIN) triangle(path, nodes, pixels);
   context.strokeStyle = paintOf;
   context.lineWidth = width;
   context.stroke(path);
