@@ -165,8 +165,8 @@ def sentence_of(
     if patterns and doubtful:
         once = round(1.0 / min(m.probability for m in patterns))
         parts.append(
-            f"The fit of {listed(series)} is doubtful: a right model looks this bad once in {once} sets of readings. "
-            f"{'It misses' if len(series) == 1 else 'They are missed:'} "
+            f"The fit of {listed(series)} is doubtful: a correct model fits this badly in one of {once} sets of "
+            f"readings. {'It misses' if len(series) == 1 else 'They are missed:'} "
             f"{'; '.join(_how_far([m for m in patterns if m.series == name], name) for name in series[:_MOST_NAMED])}."
         )
     elif patterns:
@@ -203,7 +203,8 @@ def _patterns_of(misfits: Sequence[Misfit]) -> list[Misfit]:
 
 
 def _place(m: Misfit) -> str:
-    return f"{m.x:.4g} {m.x_unit}" if m.x_unit else f"x = {m.x:.4g}"
+    x = number(m.x, plain=True)
+    return f"{x} {m.x_unit}" if m.x_unit else f"x = {x}"
 
 
 def _excluded(m: Misfit) -> str:

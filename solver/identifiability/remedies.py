@@ -96,7 +96,7 @@ class Remedy:
             case "change_model":
                 out = f"leave out what the model does not contain ({', '.join(self.changes)}), " if self.changes else ""
                 free = "free a parameter that is fixed, " if self.values["fixed"] else ""
-                return f"Look at the fit: {out}{free}or take another law."
+                return f"Check the fit: {out}{free}or use another law."
             case "thin":
                 return (
                     "If the model is right and the readings drift or depend on one another, only the intervals are "

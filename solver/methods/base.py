@@ -178,8 +178,8 @@ class SearchMethod(Method):
 
     role: ClassVar[Role] = "search"
     bias: ClassVar[str] = (
-        "The samples are those of a search: they crowd where it was drawn to, so correlations and widths describe its "
-        "path as well as the data. Only the lower envelope can be read as it is."
+        "The samples are those of a search, which are dense where it searched: correlations and widths reflect its "
+        "path as well as the data. Only the lower envelope is free of this."
     )
 
     @property

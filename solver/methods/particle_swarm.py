@@ -34,8 +34,8 @@ class ParticleSwarmMethod(SearchMethod):
 
     title: ClassVar[str] = "particle swarm"
     bias: ClassVar[str] = (
-        "The samples are particles of a swarm: they crowd where the swarm was drawn to, so correlations and widths "
-        "describe its path as well as the data. Only the lower envelope can be read as it is."
+        "The samples are particles of a swarm, which are dense where it searched: correlations and widths reflect its "
+        "path as well as the data. Only the lower envelope is free of this."
     )
 
     kind: Literal["particle_swarm"] = "particle_swarm"

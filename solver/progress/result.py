@@ -150,7 +150,7 @@ def alike_warning(alike: int) -> str | None:
 
 def no_success_message(reasons: Counter[str], first_message: str | None) -> str:
     """Say why a calibration without one successful evaluation failed, with the reasons counted."""
-    counts = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
+    counts = ", ".join(f"{count} {reason.replace('_', ' ')}" for reason, count in sorted(reasons.items()))
     message = f"all {reasons.total()} evaluations failed ({counts})"
     if fails_always(reasons, reasons.total()):
         message += ", which ends the search: the forward model fails whatever the parameters are"

@@ -98,7 +98,7 @@ def _told(
         for stage, value in list(zip(stages, values, strict=True))[:_TOLD]
     ]
     left = len(values) - len(parts)
-    rest = f" and {left} further stages, up to {max(values):g} kPa in all" if left > 0 else ""
+    rest = f" and {_counted(left, 'further stage')}, up to {max(values):g} kPa in all" if left > 0 else ""
     return f"{load.words} from {initial:g} kPa in {_counted(len(values), 'stage')}: {', '.join(parts)}{rest}"
 
 
@@ -230,7 +230,7 @@ def _movements(stages: Sequence[Movement], control: str, unit: str) -> str:
         else:
             told.append(f"to {stage.targets[-1]:g}{space} in stage {number}")
     left = len(told) - _TOLD
-    return ", ".join(told[:_TOLD]) + (f" and {left} further stages" if left > 0 else "")
+    return ", ".join(told[:_TOLD]) + (f" and {_counted(left, 'further stage')}" if left > 0 else "")
 
 
 def _counted(number: int, what: str) -> str:

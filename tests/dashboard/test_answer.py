@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Page, Route, expect
 
 from geoswarm.solver.problem import parse_problem
-from tests.api.conftest import wait_for_end
+from tests.api.conftest import line_problem, wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_job import LONG, SOON, state, textbook
@@ -85,6 +85,22 @@ def test_the_next_step_is_taken_where_it_is_proposed(embedded: Site, visit: Visi
     expect(page.locator("#next")).to_contain_text("Sensitivities at the optimum", timeout=SOON)
     expect(page.locator("#next").get_by_role("button", name="Find out")).to_have_count(0, timeout=SOON)
     expect(page.locator("#parameters thead")).to_contain_text("95 % interval", timeout=SOON)
+
+
+def test_a_touched_bound_is_widened_where_it_is_proposed(embedded: Site, visit: Visit) -> None:
+    points = {"x": [0, 1, 2, 3, 4, 5], "y": [1.02, 2.97, 5.01, 7.03, 8.98, 10.99]}  # a of the least squares is 1
+    observations = [{"series": "y", "points": points}]
+    parameters = {"a": {"lower": -5, "upper": 0.5}, "b": {"lower": 0, "upper": 4}}
+    answer = {"max_evaluations": 60}
+    problem = line_problem(name="narrow", observations=observations, parameters=parameters, answer=answer)
+    job = ended(embedded.service, problem)
+    page, _ = visit(embedded, f"/jobs/{job}")
+    page.get_by_role("button", name="Widen the upper bound of a and recalculate").click(timeout=SOON)
+    page.wait_for_url(re.compile(rf"/jobs/(?!{job})"), timeout=SOON)
+    wider = embedded.service.problem(page.url.rpartition("/")[2])
+    assert wider["name"] == "narrow (widen the upper bound of a)"
+    assert (wider["parameters"]["a"]["lower"], wider["parameters"]["a"]["upper"]) == (-5, pytest.approx(3.25))
+    assert wider["parameters"]["b"] == embedded.service.problem(job)["parameters"]["b"]
 
 
 def test_a_follow_up_leads_to_its_parent_and_draws_no_convergence(embedded: Site, visit: Visit, line: str) -> None:

@@ -29,6 +29,16 @@ def ids(embedded: Site) -> list[str]:
     return made
 
 
+@pytest.mark.slow
+def test_a_newcomer_calibrates_the_example_by_one_click(full: Site, visit: Visit) -> None:
+    page, _ = visit(full, "/", key=full.key("newly-here"))
+    expect(page.get_by_role("heading", name="No jobs yet")).to_be_visible()
+    page.get_by_role("button", name="Try the oedometer example").click()
+    page.wait_for_url(re.compile("/jobs/[0-9a-f]{16}$"))
+    expect(page.locator("h1")).to_contain_text("oedometer-san-cassiano")
+    full.service.cancel(page.url.rpartition("/")[2])
+
+
 def test_jobs_are_searched_and_sorted_without_a_reload(embedded: Site, visit: Visit, ids: list[str]) -> None:
     page, _ = visit(embedded, "/")
     rows = page.locator("tr[data-job]")

@@ -49,6 +49,12 @@ def test_the_pages_begin_with_what_is_wrong(embedded: Site, visit: Visit, bent: 
     sentence = page.context.request.get(f"/api/v1/jobs/{bent}/statistics").json()["fit"]["sentence"]
     expect(page.get_by_text(sentence)).to_have_count(1)
     expect(page.locator(".card.identified")).to_have_count(0)
+    if not path:  # what is wrong, the parameters, the fit and the next step are seen without scrolling
+        for place in ("#alarm", "#parameters", "#next", "#fit .multiples svg"):
+            page.locator(place).first.wait_for()
+            box = page.locator(place).first.bounding_box()
+            assert box is not None
+            assert box["y"] + box["height"] <= 900, place
     check_accessibility(page)
     if folder := os.environ.get("PICTURES_TEMP"):
         page.screenshot(path=f"{folder}/page{path.replace('/', '_')}.png", full_page=False)
@@ -100,7 +106,10 @@ def test_a_remedy_is_done_by_its_button(
 ) -> None:
     job = ended(embedded.service, wrong())
     page, _ = visit(embedded, f"/jobs/{job}")
-    page.locator("#alarm").get_by_role("button", name=re.compile(button)).click(timeout=SOON)
+    step = page.locator("#alarm").get_by_role("button", name=re.compile(button))
+    expect(step).to_be_visible(timeout=SOON)
+    expect(page.locator("#next").get_by_text("Change the problem")).to_have_count(0)  # that button is the next step
+    step.click()
     page.wait_for_url(re.compile(rf"/jobs/(?!{job})"), timeout=SOON)
     problem = embedded.service.problem(page.url.rpartition("/")[2])
     observation = problem["observations"][0]

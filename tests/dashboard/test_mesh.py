@@ -29,6 +29,23 @@ PAINTED = """(canvas) => {
 }"""
 
 
+TICKS = """(canvas) => {
+    const context = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const marks = ([x, y, width, height]) => {
+        const { data } = context.getImageData(x, y, width, height);
+        let count = 0, before = 0;
+        for (let i = 3; i < data.length; i += 4) {
+            if (data[i] > 60 && before <= 60) count += 1;
+            before = data[i];
+        }
+        return count;
+    };
+    return [marks([0, canvas.height - 2, canvas.width, 1]), marks([1, 0, 1, canvas.height])];
+}"""
+"""How many ticks are along the lower edge and the left one."""
+
+
 @pytest.fixture(scope="module")
 def job(embedded: Site) -> str:
     return ended(embedded.service, loaded_ground())
@@ -62,7 +79,13 @@ def test_contours_deformation_and_vectors_are_shown(embedded: Site, visit: Visit
     row = page.locator("#vectors tbody tr")
     expect(row).to_have_count(1)
     expect(row).to_contain_text("-20")
-    assert page.locator("#about").inner_text().count("Triangles of") == 3
+    about = page.locator("#about").inner_text()
+    assert about.count("Triangles of") == 3
+    points = re.findall(r"Point (\w+)\s+x = [\d.]+ m, y = [\d.]+ m", about)
+    assert points == sorted(loaded_ground()["forward_model"]["points"]), about
+    assert min(canvas.evaluate(TICKS)) > 1
+    page.emulate_media(media="print")
+    expect(page.locator("#controls")).to_be_hidden()
 
 
 def test_another_period_and_another_evaluation_can_be_chosen(embedded: Site, visit: Visit, job: str) -> None:

@@ -51,7 +51,7 @@ def test_report_json_and_dashboard_say_the_same(embedded: Site, visit: Visit, na
     expect(seen).to_have_count(0 if fit["kind"] == "describes" else 1)
     page.goto(f"/jobs/{job}")
     expect(page.locator("#parameters a.verdict")).to_have_text([v["words"] for v in told["verdicts"]], timeout=SOON)
-    words = "Intervals hold within the basin of the optimum; one like it could still hide in"
+    words = "Intervals hold within the basin of the optimum; another basin like it could still hide in"
     expect(page.locator("#parameters")).to_contain_text(words)
     assert words in html
     others = [other for other in told["basins"]["others"] if other["differs"]]

@@ -10,7 +10,7 @@ from playwright.sync_api import Page, Request, Route, expect
 from tests.api.conftest import line_problem, wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Site
-from tests.dashboard.test_statistics import Visit, ended, job, page, slide
+from tests.dashboard.test_statistics import Visit, ended, job, page, slide, two_lines
 
 __all__ = ["Visit", "job", "page"]  # fixtures
 
@@ -87,6 +87,24 @@ def test_a_follow_up_that_runs_can_be_cancelled_where_it_is_shown(embedded: Site
     opened.get_by_role("button", name="Cancel Global sensitivity").click()
     expect(opened.locator("#uncertainty .state")).to_have_text("cancelled")
     expect(opened.get_by_role("button", name="Cancel Global sensitivity")).to_have_count(0)
+
+
+@pytest.mark.slow
+def test_profiles_bring_the_sensitivities_that_they_start_from(embedded: Site, visit: Visit) -> None:
+    job = ended(embedded.service, two_lines(name="nothing at the optimum yet"))
+    page, _ = visit(embedded, f"/jobs/{job}/statistics")
+    profiles = page.get_by_role("button", name="Profiles of all parameters")
+    expect(profiles).to_contain_text(re.compile("with the sensitivities first: about 1.. runs"))
+    profiles.click()
+    begun = page.locator("#uncertainty li", has_text="finished")
+    expect(begun).to_have_text([re.compile("^Profile objectives"), re.compile("^Sensitivities at the optimum")])
+    expect(profiles).not_to_contain_text("first")
+    expect(page.locator("#uncertainty").get_by_role("figure", name=re.compile("^Profile of"))).to_be_visible()
+    page.get_by_role("button", name="Sample the posterior").click()
+    sampled = page.get_by_role("region", name="Posterior")
+    expect(sampled.locator("tbody tr")).to_have_count(3)
+    expect(sampled.locator("tbody tr").nth(1).locator("td")).to_have_text([re.compile("^2.7"), re.compile("^2.* … 3.")])
+    check_accessibility(page, "#uncertainty")
 
 
 def test_the_values_without_each_test_say_which_one_pulls(embedded: Site, visit: Visit) -> None:

@@ -1,7 +1,15 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { between, box, largestFactor, levels, outline, roundDown } from "../../api/static/js/mesh/geometry.js";
+import {
+  between,
+  box,
+  largestFactor,
+  levels,
+  outline,
+  roundDown,
+  thickness,
+} from "../../api/static/js/mesh/geometry.js";
 
 const MIDDLES = (a, b, c) =>
   [a, b, c].map(([x, y], i, all) => [(x + all[(i + 1) % 3][0]) / 2, (y + all[(i + 1) % 3][1]) / 2]);
@@ -59,4 +67,10 @@ test("displacements are magnified until the first piece is inside out", () => {
 
 test("factors are rounded down", () => {
   assert.deepEqual([99, 100, 499, 0.3].map(roundDown), [50, 100, 200, 0.2]);
+});
+
+test("a triangle is as thick as its smallest height", () => {
+  assert.equal(thickness([0, 0], [4, 0], [0, 3]), 2.4);
+  assert.equal(thickness([0, 0], [40, 0], [20, 2]), 2);
+  assert.equal(thickness([0, 0], [1, 1], [2, 2]), 0);
 });

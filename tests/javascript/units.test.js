@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { unitsOf, valueWithUnit } from "../../api/static/js/new/units.js";
-import { choices, choose, converted } from "../../api/static/js/units.js";
+import { choices, choose, converted, inUnits } from "../../api/static/js/units.js";
 
 const FIT = {
   series: [
@@ -76,4 +76,13 @@ test("units that suit a base unit are offered", () => {
   assert.ok(unitsOf("m").includes("mm"));
   assert.deepEqual(unitsOf("-"), ["dimensionless", "%"]);
   assert.deepEqual(unitsOf("kN"), ["kN"]);
+});
+
+test("a fit is shown in the units of another job's, and not in those of another quantity", () => {
+  const { series, curves } = inUnits(FIT, { series: "settlement", x_unit: "min", y_unit: "mm" });
+  assert.deepEqual([series[0].x, series[0].breaks, series[0].x_unit], [[1440, 2880], [1440], "min"]);
+  assert.deepEqual([series[0].measured, series[0].y_unit], [[1, null], "mm"]);
+  assert.deepEqual(curves[0].values, { settlement: [2, 3] });
+  assert.equal(inUnits(FIT, { series: "settlement", x_unit: "day", y_unit: "kPa" }), null);
+  assert.equal(inUnits(FIT, { series: "q", x_unit: "day", y_unit: "m" }), null);
 });

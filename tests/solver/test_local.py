@@ -61,7 +61,7 @@ def test_a_run_without_one_success_fails_and_counts_the_reasons() -> None:
     assert (result.state, result.objective, result.parameters, result.best) == ("failed", None, None, None)
     assert result.stop_reasons == ("stagnation_generations",)
     assert result.error is not None
-    assert result.error.startswith("all 24 evaluations failed (24 not_finite); first message: series 'y' is nan")
+    assert result.error.startswith("all 24 evaluations failed (24 not finite); first message: series 'y' is nan")
     assert result.failed_evaluations == 24
 
 

@@ -120,7 +120,7 @@ def test_without_one_success_the_job_fails_with_the_reasons_counted() -> None:
     while job.state == "running":
         job = apply(job, GenerationJoined(job.generation, results, 1.0), COURSE).job
     assert job.state == "failed"
-    assert job.error == "all 24 evaluations failed (16 diverged, 8 not_finite); first message: step 3"
+    assert job.error == "all 24 evaluations failed (16 diverged, 8 not finite); first message: step 3"
 
 
 def test_a_program_that_always_fails_ends_the_job_after_its_first_generation() -> None:
@@ -129,7 +129,7 @@ def test_a_program_that_always_fails_ends_the_job_after_its_first_generation() -
     job = apply(started, GenerationJoined(0, [*failed, Joined(None, "no_output", "b")], 1.0), COURSE).job
     assert (job.state, job.stop_reasons) == ("failed", ("all_failed",))
     assert job.error is not None
-    assert job.error.startswith("all 6 evaluations failed (1 no_output, 5 program_failed), which ends the search")
+    assert job.error.startswith("all 6 evaluations failed (1 no output, 5 program failed), which ends the search")
     assert job.error.endswith("; first message: no such file")
     going = apply(started, GenerationJoined(0, [*failed, Joined(None, "diverged", "c")], 1.0), COURSE).job
     assert (going.state, going.generations) == ("running", 1)

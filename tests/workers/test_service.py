@@ -188,7 +188,7 @@ def test_a_job_whose_every_run_fails_ends_failed(service: JobService, make_worke
     view = service.get(job_id)
     assert view.state == "failed"
     assert view.error is not None
-    assert view.error.startswith("all 36 evaluations failed (36 not_finite)")
+    assert view.error.startswith("all 36 evaluations failed (36 not finite)")
     assert view.objective is None
     assert service.best(job_id) is None
 

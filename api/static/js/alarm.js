@@ -15,24 +15,32 @@ export function doubt(fit) {
 export function alarm(fit, job, link = true) {
   if (!fit?.headline) return [];
   const may = document.body.dataset.maySubmit === "true";
-  const editable = may && link && fit.what_to_do.some(({ changes }) => changes.length);
+  const buttons = fit.what_to_do.map((remedy) => (may ? recalculations(remedy, job) : []));
+  const editable = may && (link || buttons.flat().length) && fit.what_to_do.some(({ changes }) => changes.length);
+  if (WRONG.has(fit.kind)) buttons.flat()[0]?.querySelector("button").classList.remove("quiet"); // the next step
   return [
     element(
       "section",
-      { class: "alarm", role: "alert" },
-      element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`),
-      element("p", {}, fit.sentence),
-      element("p", {}, element("strong", {}, "What to do:")),
+      { class: `alarm ${fit.kind}`, role: "alert" },
       element(
-        "ol",
+        "div",
         {},
-        fit.what_to_do.map((remedy) =>
-          element("li", {}, remedyWords(remedy), may ? recalculations(remedy, job) : null),
+        element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`),
+        element("p", {}, fit.sentence),
+        editable
+          ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem"))
+          : null,
+      ),
+      element(
+        "div",
+        {},
+        element("p", {}, element("strong", {}, "What to do:")),
+        element(
+          "ol",
+          {},
+          fit.what_to_do.map((remedy, i) => element("li", {}, remedyWords(remedy), buttons[i])),
         ),
       ),
-      editable
-        ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem"))
-        : null,
     ),
   ];
 }

@@ -1,7 +1,7 @@
 // The list of jobs: kept up to date while somebody looks, filtered without a reload, and where jobs to compare are chosen.
 import { announce, confirmed, connection, once } from "./dom.js";
 import { age, moment, symbol } from "./format.js";
-import { post, send } from "./http.js";
+import { get, post, send } from "./http.js";
 import { renew } from "./renew.js";
 
 const INTERVAL = 3000,
@@ -29,7 +29,7 @@ function dress() {
 const boxes = () => [...list.querySelectorAll("input[name=job]")];
 
 function tell() {
-  const button = choose.querySelector("button");
+  const button = choose.querySelector("button[type=submit]");
   button.disabled = chosen.size < FEWEST || chosen.size > MOST;
   for (const act of [cancelChosen, deleteChosen]) if (act) act.disabled = chosen.size === 0;
   const what =
@@ -42,6 +42,16 @@ function tell() {
           : `${chosen.size} jobs chosen.`;
   const place = document.getElementById("chosen");
   if (place.textContent !== what) place.textContent = what;
+}
+
+/** Calibrate the example, and go to it. */
+async function tryExample() {
+  try {
+    const { problem } = await get("/examples/oedometer");
+    location.assign(`/jobs/${(await post("/jobs", problem)).id}`);
+  } catch (error) {
+    announce(error.message);
+  }
 }
 
 async function show(url = location.href) {
@@ -79,6 +89,9 @@ list.addEventListener("change", ({ target }) => {
   if (target.checked) chosen.add(target.value);
   else chosen.delete(target.value);
   tell();
+});
+list.addEventListener("click", ({ target }) => {
+  if (target.id === "example") once(target, tryExample);
 });
 choose.addEventListener("submit", (event) => {
   event.preventDefault();

@@ -162,17 +162,20 @@ function legend(shown) {
 function pointed(node) {
   if (node === null) return;
   const [x, y] = view.mesh.nodes[node];
-  const told = [`Node ${node}: x = ${number(x, 5)} m, y = ${number(y, 5)} m`];
+  const name = Object.keys(view.mesh.points).find((one) => view.mesh.points[one] === node);
+  const told = [`${name ? `Point ${name}, node` : "Node"} ${node}: ${placeOf([x, y])}`];
   if (view.fields) {
-    const { factor, name } = view.unit;
+    const { factor, name: unit } = view.unit;
     const [ux, uy] = view.fields.displacement[node];
-    told.push(`ux = ${number(ux * factor, 3)} ${name}, uy = ${number(uy * factor, 3)} ${name}`);
+    told.push(`ux = ${number(ux * factor, 3)} ${unit}, uy = ${number(uy * factor, 3)} ${unit}`);
     const e = view.mesh.triangles.findIndex((nodes) => nodes.includes(node));
     if (e >= 0)
       told.push(`shear strain ${number(100 * view.fields.shear_strain[e][view.mesh.triangles[e].indexOf(node)], 3)} %`);
   }
   parts.node.textContent = told.join("; ");
 }
+
+const placeOf = ([x, y]) => `x = ${number(x, 5)} m, y = ${number(y, 5)} m`;
 
 function about() {
   const { mesh } = view;
@@ -188,6 +191,7 @@ function about() {
       `Triangles of ${name}`,
       count(mesh.regions.filter((region) => region === i).length),
     ]),
+    ...Object.entries(mesh.points).map(([name, node]) => [`Point ${name}`, placeOf(mesh.nodes[node])]),
   ];
   place("about").replaceChildren(
     ...rows.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))),

@@ -21,14 +21,14 @@ const WORDS = {
   stage_ends: ({ values }) =>
     `Primary consolidation is not part of the soil laws: leave out readings before its end under ${EARLY}${ends(values)}.`,
   change_model: ({ values, changes }) =>
-    `Look at the fit: ${changes.length ? `leave out what the model does not contain (${changes.map((key) => FIELDS[key] ?? key).join(", ")}), ` : ""}${values.fixed.length ? "free a parameter that is fixed, " : ""}or take another law.`,
+    `Check the fit: ${changes.length ? `leave out what the model does not contain (${changes.map((key) => FIELDS[key] ?? key).join(", ")}), ` : ""}${values.fixed.length ? "free a parameter that is fixed, " : ""}or use another law.`,
   thin: () =>
     "If the model is right and the readings drift or depend on one another, only the intervals are wrong: thin the readings out until the residuals no longer follow one another.",
   error: () =>
     "Enter the error that the readings have under “Standard deviation of a reading”, or leave the field empty: the error is then estimated.",
   sensitivity: () => `“${BUTTONS.sensitivity}” refines the optimum, tests the fit and calculates intervals there.`,
   profile: () => `“${BUTTONS.profile}” calculates the interval by likelihood.`,
-  explore: () => `“${BUTTONS.explore}” searches for further basins.`,
+  explore: () => `“${BUTTONS.explore}” runs the model where another basin is most likely.`,
 };
 
 /** The problem with an observation changed. */
@@ -36,6 +36,20 @@ const changed = (problem, series, change) => ({
   ...problem,
   observations: problem.observations.map((one) => (one.series === series ? { ...one, ...change(one) } : one)),
 });
+
+/** The problem with other sections of parameters; what a new range keeps of the old one stays. */
+export function withParameters(problem, sections) {
+  const kept = ([name, section]) => {
+    const { initial, integer } = problem.parameters[name];
+    if (section.lower === undefined) return [name, section];
+    const inside = initial >= section.lower && initial <= section.upper;
+    return [name, { ...section, ...(integer ? { integer } : {}), ...(inside ? { initial } : {}) }];
+  };
+  return {
+    ...problem,
+    parameters: { ...problem.parameters, ...Object.fromEntries(Object.entries(sections).map(kept)) },
+  };
+}
 
 /** Changes of the problem that leave nothing to choose: the words of each, and what it makes of a problem. */
 const CHANGES = {
@@ -64,6 +78,16 @@ const CHANGES = {
     ]),
 };
 
+/** Start a job again with its problem changed, if what it takes is accepted, and go to it. */
+export async function recalculate(job, words, change) {
+  const [problem, { items }] = await Promise.all([get(`/jobs/${job}/problem`), get(`/jobs/${job}/follow-ups`)]);
+  const cost = items.find(({ kind }) => kind === "again");
+  if (!(await affordable(words, cost))) return;
+  const name = `${problem.name} (${words[0].toLowerCase()}${words.slice(1)})`.slice(0, 200);
+  const made = await post("/jobs", { ...change(problem), name });
+  location.assign(`/jobs/${made.id}`);
+}
+
 /** Buttons that start a job again with a remedy done; none where there is something to choose. */
 export function recalculations(remedy, job) {
   return (CHANGES[remedy.kind]?.(remedy) ?? []).map(([words, change]) => {
@@ -76,19 +100,7 @@ export function recalculations(remedy, job) {
     async function begin() {
       message.textContent = "";
       try {
-        const [problem, { items }] = await Promise.all([get(`/jobs/${job}/problem`), get(`/jobs/${job}/follow-ups`)]);
-        if (
-          !(await affordable(
-            words,
-            items.find(({ kind }) => kind === "again"),
-          ))
-        )
-          return;
-        const made = await post("/jobs", {
-          ...change(problem),
-          name: `${problem.name} (${words[0].toLowerCase()}${words.slice(1)})`.slice(0, 200),
-        });
-        location.assign(`/jobs/${made.id}`);
+        await recalculate(job, words, change);
       } catch (error) {
         message.textContent = error.message;
       }

@@ -57,7 +57,32 @@ function shownIn(unit) {
 
 /** A fit, as GET …/fit answers, in the chosen units. */
 export function converted(fit) {
-  const units = new Map(fit.series.map((one) => [one.series, { x: shownIn(one.x_unit), y: shownIn(one.y_unit) }]));
+  return scaled(
+    fit,
+    new Map(fit.series.map((one) => [one.series, { x: shownIn(one.x_unit), y: shownIn(one.y_unit) }])),
+  );
+}
+
+/** A fit of the same series alone, in its units; null where it has no such series, or other quantities. */
+export function inUnits(fit, { series: name, x_unit: x, y_unit: y }) {
+  const series = fit.series.filter((one) => one.series === name);
+  if (!series.length) return null;
+  const [across, up] = [factor(series[0].x_unit, x), factor(series[0].y_unit, y)];
+  if (across === null || up === null) return null;
+  const curves = fit.curves
+    .filter(({ values }) => values[name])
+    .map((curve) => ({ ...curve, values: { [name]: curve.values[name] }, shares: [] }));
+  return scaled({ ...fit, series, curves }, new Map([[name, { x: [x, across], y: [y, up] }]]));
+}
+
+/** How many of a unit are one of another; null where they measure other things. */
+function factor(from, to) {
+  if (from === to) return 1;
+  const [one, other] = [measure(known(from)), measure(known(to))];
+  return one && other && one[1] === other[1] ? one[0] / other[0] : null;
+}
+
+function scaled(fit, units) {
   const by = (factor) => (value) => (value === null ? null : value * factor);
   return {
     ...fit,

@@ -127,7 +127,7 @@ def _sentence(kind: str, who: str, how: str, readings: int, effective: float) ->
             )
         case "correlated":
             return (
-                f"{who}: neighbouring residuals are correlated ({how}), so {readings} readings are worth "
+                f"{who}: neighbouring residuals are correlated ({how}), so {readings} readings are equivalent to "
                 f"{effective:.0f} independent ones; intervals allow for that, standard errors do not."
             )
         case _:

@@ -10,6 +10,7 @@ from scipy.special import fdtri
 
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.samples import Samples
+from geoswarm.solver.words import number
 
 __all__ = ["Filtered", "Threshold", "filter_samples", "propose_threshold"]
 
@@ -104,18 +105,19 @@ def propose_threshold(samples: Samples, points: int, *, noise_objective: float |
     best = float(samples.objectives[samples.best])
     base = best if noise_objective is None else max(best, noise_objective)
     words = "the best objective" if base == best else "the objective that noise alone leaves"
+    lowest = f"{words}, {number(base, 3, plain=True)}"
     free = points - dimension
     factor = 1.0 + dimension / free * float(fdtri(dimension, free, _LEVEL)) if free > 0 else 2.0
     value = base * factor
     wanted = max(1, min(20 * dimension, samples.size // 5))
     if int((samples.objectives <= value).sum()) >= wanted:
-        how = f"{factor:.3g} times {words} {base:.3g}: fits within it cannot be told from the best one at 95 %"
+        how = f"{factor:.3g} times {lowest}: such fits cannot be distinguished from the best one at 95 %"
         return Threshold(value, "statistics", how)
     relaxed = float(np.partition(samples.objectives, wanted - 1)[wanted - 1])
     kept = int((samples.objectives <= relaxed).sum())
     how = (
-        f"raised from {value:.3g} ({factor:.3g} times {words} {base:.3g}), below which too few samples lie, "
-        f"to keep the best {kept}"
+        f"raised from {number(value, 3, plain=True)} ({factor:.3g} times {lowest}), which too few samples meet, to "
+        f"keep the best {kept}"
     )
     return Threshold(relaxed, "samples", how, value)
 

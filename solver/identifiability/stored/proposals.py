@@ -171,6 +171,7 @@ def propose(
     good_fits: Samples,
     projection: Projection,
     partners: tuple[tuple[str, float | None], ...],
+    held: str | None = None,
 ) -> tuple[Proposal, ...]:
     """Propose what to do about a parameter after its verdict.
 
@@ -180,8 +181,12 @@ def propose(
         Filtered samples.
     partners
         Parameters it is tied to, strongest first.
+    held
+        The bound, ``lower`` or ``upper``, that the minimum lies on and the data pull beyond.
     """
     proposals: list[Proposal] = []
+    if held is not None:
+        proposals += _widen(parameter, good_fits, held, "the data pull beyond it")
     fair = good_fits.select(good_fits.unbiased) if good_fits.source == "mixed" else good_fits
     if verdict == "in_combination":
         partner = partners[0][0]
@@ -193,7 +198,9 @@ def propose(
         proposals.append(_fix(parameter, projection, "the data hardly depend on it"))
         proposals.append(_add_test(parameter, f"that {parameter} influences"))
     elif verdict == "bounded_on_one_side":
-        proposals += _widen(parameter, good_fits, projection)
+        if held is None:
+            side = "lower" if projection.open_below else "upper"
+            proposals += _widen(parameter, good_fits, side, "good fits reach the bound")
         proposals.append(_add_test(parameter, f"that limits {parameter} on the open side"))
     elif verdict == "undecided":
         proposals.append(_add_test(parameter, f"that is more sensitive to {parameter}, or evaluate more samples"))
@@ -222,10 +229,10 @@ def _add_test(parameter: str, what: str) -> Proposal:
     return Proposal("add_test", parameter, f"Add a test or a measured series {what}.")
 
 
-def _widen(parameter: str, samples: Samples, projection: Projection) -> list[Proposal]:
+def _widen(parameter: str, samples: Samples, bound: str, reason: str) -> list[Proposal]:
     index = samples.names.index(parameter)
     lower, upper = float(samples.lower[index]), float(samples.upper[index])
-    below = bool(projection.open_below)
+    below = bound == "lower"
     if samples.log[index]:
         ratio = upper / lower
         lower, upper = (lower / np.sqrt(ratio), upper) if below else (lower, upper * np.sqrt(ratio))
@@ -235,12 +242,9 @@ def _widen(parameter: str, samples: Samples, projection: Projection) -> list[Pro
         if below and lower == floor:
             return []
         lower, upper = (max(lower - span / 2, floor), upper) if below else (lower, upper + span / 2)
-    bound, value = ("lower", lower) if below else ("upper", upper)
+    value = lower if below else upper
     section = {"lower": float(lower), "upper": float(upper), "scale": samples.scales[index]}
-    sentence = (
-        f"Widen the {bound} bound of {parameter} to {value:.4g} if that is physically possible: good fits reach the "
-        "bound."
-    )
+    sentence = f"Widen the {bound} bound of {parameter} to {value:.4g} if that is physically possible: {reason}."
     return [Proposal("widen", parameter, sentence, {"parameters": {parameter: section}})]
 
 

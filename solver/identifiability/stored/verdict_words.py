@@ -26,8 +26,8 @@ def where_intervals_hold(hidden: float | None) -> str:
     if hidden is None:
         return "Intervals hold within the basin of the optimum."
     return (
-        f"Intervals hold within the basin of the optimum; one like it could still hide in {_share(hidden)} of the "
-        "searched space."
+        "Intervals hold within the basin of the optimum; another basin like it could still hide in "
+        f"{_share(hidden)} of the searched space."
     )
 
 
@@ -123,7 +123,7 @@ def _at_optimum(name: str, kind: VerdictKind, code: VerdictCode, evidence: Evide
         return (
             f"it has more than one solution, {name} = {listed(solutions, 'or')}: the data allow "
             f"{'both' if len(solutions) == 2 else 'all of them'}, with other values of the parameters; the interval at "
-            "the optimum holds within the basin of the first alone"
+            "the optimum holds only within the basin of the first"
         )
     interval = f"{found.interval_in_words(name)} is {' to '.join(_ends(evidence))}"
     if code == "not_minimum":
@@ -144,7 +144,7 @@ def _at_optimum(name: str, kind: VerdictKind, code: VerdictCode, evidence: Evide
         where = "another basin" if len(places) == 1 else "other basins"
         return (
             f"{width}; but this holds within its basin, and stored runs point to {where}, around {name} = "
-            f"{listed(places)} that the search did not explore"
+            f"{listed(places)}, which the search did not explore"
         )
     if code == "untried":
         return (
@@ -156,8 +156,8 @@ def _at_optimum(name: str, kind: VerdictKind, code: VerdictCode, evidence: Evide
 
 def _misfit(kind: VerdictKind) -> str:
     if kind == "lack_of_fit":
-        return "the model does not describe the data, so this does not hold: "
-    return "the stated error is not met, so this does not hold: " if kind == "error_not_met" else ""
+        return "the model does not describe the data, so the following does not hold: "
+    return "the stated error is not met, so the following does not hold: " if kind == "error_not_met" else ""
 
 
 def _caveats(kind: VerdictKind, evidence: Evidence) -> list[str]:
@@ -172,7 +172,9 @@ def _caveats(kind: VerdictKind, evidence: Evidence) -> list[str]:
         ]
     if evidence.hidden is not None:
         sparse = "the runs are sparse, and " if evidence.sparse else ""
-        parts.append(f"{sparse}one like it could still hide in {_share(evidence.hidden)} of the searched space")
+        parts.append(
+            f"{sparse}another basin like it could still hide in {_share(evidence.hidden)} of the searched space"
+        )
     if evidence.exact:
         parts.append("all readings are met to rounding, so no error can be estimated: the width is that of rounding")
     elif evidence.spare is not None and evidence.spare < FEWEST_FREE:

@@ -259,6 +259,7 @@ def judge(
     """
     fit = fit or (None if linearisation is None else linearisation.fit)
     tied = _tied_pairs(filtered)
+    held = {} if linearisation is None else dict(linearisation.held)
     verdicts = []
     for index, projection in enumerate(projections):
         name = projection.parameter
@@ -273,7 +274,8 @@ def judge(
                 kind, code = "lack_of_fit" if fit.kind == "lack_of_fit" else "error_not_met", "misfit"
         reason, sentence = in_words(name, kind, code, evidence, linearisation, filtered.thin)
         ignored = code == "no_influence" and evidence.basis == "none"  # by the model: no value and no test mends that
-        proposals = () if ignored else propose(name, kind, filtered.samples, projection, evidence.partners)
+        asked = (filtered.samples, projection, evidence.partners, held.get(name))
+        proposals = () if ignored else propose(name, kind, *asked)
         if (fit is not None and fit.kind in ("lack_of_fit", "gross_error")) or _at_bound(samples, projection):
             proposals = tuple(one for one in proposals if one.kind not in ("fix", "link"))
         verdicts.append(Verdict(name, kind, code, reason, sentence, evidence, proposals))

@@ -310,7 +310,7 @@ def independent_readings(x: FloatArray, y: FloatArray, begins: IntArray, error: 
         return worth, "the error of a mean of n readings counts as the error of a reading over the root of n"
     return worth, (
         f"neighbouring readings differ by less than independent errors of {number(error)} would, so the {len(x)} "
-        f"readings count as {worth:.3g} independent ones of this error"
+        f"readings are equivalent to {worth:.3g} independent ones of this error"
     )
 
 

@@ -64,7 +64,7 @@ def _posterior_table(posterior: Posterior, labels: dict[str, ParameterLabel]) ->
         rows.append((labels[name].symbol, middle, interval, labels[name].unit))
     trusted = "trusted" if posterior.trusted else "NOT trusted"
     note = (
-        f"{len(posterior.parameters)} samples, worth {posterior.effective} independent ones; acceptance "
+        f"{len(posterior.parameters)} samples, equivalent to {posterior.effective} independent ones; acceptance "
         f"{posterior.acceptance:.2f}; error of the log-likelihood by the response surface "
         f"{number(posterior.surface_error, 2)}: {trusted}. "
         "It holds within the sampled region only. A dash: the sample reaches the edge of that region."

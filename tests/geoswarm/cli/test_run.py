@@ -166,7 +166,7 @@ def test_a_run_without_success_fails_with_its_reasons(tmp_path: Path, capsys: py
     captured = capsys.readouterr()
     document = json.loads(captured.out)
     assert (document["state"], document["objective"], document["parameters"]) == ("failed", None, None)
-    assert "all 16 evaluations failed (16 not_finite)" in captured.err
+    assert "all 16 evaluations failed (16 not finite)" in captured.err
     assert (folder / "evaluations.csv").exists()
 
 

@@ -140,7 +140,7 @@ def test_a_failed_job_ends_the_watch_with_one(
     failing.write_text(json.dumps(document), encoding="utf-8")
     assert main(["submit", str(failing), "--watch", "--url", service.url]) == 1
     captured = capsys.readouterr()
-    assert "all 16 evaluations failed (16 not_finite)" in captured.err
+    assert "all 16 evaluations failed (16 not finite)" in captured.err
     assert "failed" in captured.out
 
 

@@ -101,9 +101,14 @@ def test_a_minimum_on_a_bound_is_a_minimum() -> None:
     assert found.at_optimum
     assert found.far == pytest.approx(0.0, abs=1e-3)
     samples = Samples.from_arrays(problem, polished.parameters[None], np.array([polished.objective]))
-    warnings = " ".join(analyse(calibration, samples, linearisation=found).warnings)
+    statistics = analyse(calibration, samples, linearisation=found)
+    warnings = " ".join(statistics.warnings)
     assert "not the minimum yet" not in warnings
     assert "upper bound of a" in warnings
+    widen = statistics.verdict("a").proposals[0]
+    assert widen.sentence.startswith("Widen the upper bound of a to 8.2 if that is physically possible")
+    assert widen.changes["parameters"]["a"]["lower"] == 0.1
+    assert not any(one.kind == "widen" for one in statistics.verdict("b").proposals)
     # off the conditional minimum the other parameter is far away still
     place = polished.parameters + np.array([0.0, 1.0])
     beside = from_evaluations(calibration, *evaluate_differences(calibration, place))

@@ -190,8 +190,8 @@ def test_the_interval_of_uneven_readings_weighs_order_against_distance() -> None
 def test_many_series_have_one_sentence() -> None:
     found = [Dependence(f"t{place}.q", "correlated", 0.9 + 0.01 * place, 100, 5.0) for place in range(4)]
     assert dependence_in_words(found) == [
-        "4 series: neighbouring residuals are correlated (0.90 to 0.93), so 400 readings are worth 20 independent "
-        "ones; intervals allow for that, standard errors do not."
+        "4 series: neighbouring residuals are correlated (0.90 to 0.93), so 400 readings are equivalent to 20 "
+        "independent ones; intervals allow for that, standard errors do not."
     ]
     uneven = [Dependence("u", "uneven", 0.0, 100, 100.0)]
     assert dependence_in_words([*found[:2], *uneven]) == [one.sentence for one in (*found[:2], *uneven)]

@@ -170,7 +170,7 @@ def test_a_pattern_that_chance_makes_once_in_fifty_is_a_doubt() -> None:
     one = Misfit("y", None, "pattern", 0.02, 0.1, 0.3, 2.0, None, "mm", "")
     assert headline_of("doubtful", (one,)) == "The fit is doubtful"
     assert sentence_of((one,), doubtful=True) == (
-        "The fit of y is doubtful: a right model looks this bad once in 50 sets of readings. It misses y by up to "
+        "The fit of y is doubtful: a correct model fits this badly in one of 50 sets of readings. It misses y by up to "
         "0.3 mm (calculated above measured, near x = 2), root mean square 0.1 mm."
     )
 

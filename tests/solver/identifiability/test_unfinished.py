@@ -36,7 +36,7 @@ def test_a_run_that_points_to_another_basin_is_told_until_somebody_has_gone_ther
     told = analyse(calibration, samples, linearisation=found)
     assert [other.parameters.tolist() for other in told.basins.unfinished] == [SIGN.tolist()]
     assert told.verdict("a").kind == "undecided"
-    assert "around a = 4.1 that the search did not explore" in told.verdict("a").sentence
+    assert "around a = 4.1, which the search did not explore" in told.verdict("a").sentence
     assert told.verdict("b").kind == "identified"  # it has the same value there
     assert told.to_json()["basins"]["unfinished"][0]["differs"] == ["a"]
     points = explore_problem(problem, samples, found, seed=1, runs=20).document()["method"]["points"]

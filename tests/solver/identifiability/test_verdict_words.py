@@ -78,9 +78,9 @@ def test_an_interval_says_where_it_holds_and_what_its_error_comes_from(found: Li
         return in_words("a", kind, "width", replace(OPTIMUM, **known), found)[1]
 
     assert said().endswith("; it holds within its basin.")
-    assert "one like it could still hide in 4 % of the searched space" in said(hidden=0.04)
+    assert "another basin like it could still hide in 4 % of the searched space" in said(hidden=0.04)
     assert said(hidden=0.37).startswith("a is identified within one basin only: ")
-    assert "the runs are sparse, and one like it could still hide in 37 %" in said(hidden=0.37)
+    assert "the runs are sparse, and another basin like it could still hide in 37 %" in said(hidden=0.37)
     assert "estimated from only 3 more readings than parameters" in said(hidden=0.04, spare=3)
     assert "the width is that of rounding" in said(hidden=0.04, exact=True, spare=9)
     assert "basin" not in said("not_identified", hidden=0.04, spare=3)

@@ -177,7 +177,7 @@ def test_independent_errors_become_smaller_in_means_and_common_ones_do_not() -> 
     assert found.notes[-1] == "the error of a mean of n readings counts as the error of a reading over the root of n"
     logger = problem([readings(drift, resample={"every": 10})], None).observations[0]
     assert logger.error == pytest.approx(20.0, rel=0.01)
-    assert "the 1200 readings count as 120 independent ones of this error" in logger.notes[-1]
+    assert "the 1200 readings are equivalent to 120 independent ones of this error" in logger.notes[-1]
     assert logger.given_error == 20.0
 
 

@@ -141,7 +141,7 @@ def test_a_run_without_success_has_a_report_that_says_so(failed: Run) -> None:
     assert failed.report.statistics is None
     assert failed.report.figures.names == ("convergence",)
     text = " ".join(read(failed.page).words)
-    assert "all 20 evaluations failed (20 not_finite)" in text
+    assert "all 20 evaluations failed (20 not finite)" in text
     assert "not finite" in text
     assert failed.report.pdf().startswith(b"%PDF-")
 

@@ -2,6 +2,8 @@
 import { element, empty } from "../dom.js";
 import { direction, withUnit } from "../format.js";
 import { DASHES, SYMBOLS, colour, palette, plot } from "../plot.js";
+import { broken, stageAxis, stagesOf } from "../job/fit_plot.js";
+import { inUnits } from "../units.js";
 import { common } from "./tables.js";
 
 /** Lowest objective so far of every job; returns a function that draws what was loaded. */
@@ -40,7 +42,7 @@ export function drawConvergences(place) {
   };
 }
 
-/** One plot a series: measured points, and the best evaluation of every job that has it in the same units. */
+/** One plot a series, in the units of the first job: measured points, and the best evaluation of every job that has it. */
 export function drawFits(place) {
   const plots = new Map();
   return async (loaded) => {
@@ -65,48 +67,55 @@ export function drawFits(place) {
 }
 
 function fitOf(name, loaded) {
-  const series = loaded.map(({ fit }) => fit.series.find((one) => one.series === name));
-  const first = series.find(Boolean);
-  const matching = series.map((one) => one && one.x_unit === first.x_unit && one.y_unit === first.y_unit);
+  const first = loaded.flatMap(({ fit }) => fit.series).find(({ series }) => series === name);
+  const fits = loaded.map(({ fit }) => inUnits(fit, first)); // null without the series, or in other quantities
+  const series = fits.map((fit) => fit?.series.find((one) => one.series === name));
+  const stages = series.map((one) => one && stagesOf(one));
+  const long = stages.every((one) => !one || one.long) && same(series.filter(Boolean).map(({ breaks }) => breaks));
+  const curve = (i, y) => (long ? broken(stages[i].place, stages[i].stage, y) : { x: series[i].x, y });
   const points = new Map(); // jobs of one data set share their points
   series.forEach((one, i) => {
-    if (matching[i]) points.set(JSON.stringify([one.x, one.measured]), one);
+    if (one) points.set(JSON.stringify([one.x, one.measured]), { x: long ? stages[i].place : one.x, y: one.measured });
   });
   const measured = [...points.values()].map((one, i) => ({
     type: "scatter",
     mode: "markers",
     name: points.size > 1 ? `measured ${i + 1}` : "measured",
-    x: one.x,
-    y: one.measured,
-    marker: { color: colour("--ink"), symbol: `${SYMBOLS[i]}-open`, size: 7 },
+    ...one,
+    marker: { color: colour("--ink"), symbol: `${SYMBOLS[i]}-open`, size: long ? 5 : 7 },
   }));
-  const curves = loaded.flatMap(({ job, fit }, i) => {
-    const best = fit.curves.find(({ role }) => role === "best")?.values[name];
-    if (!best || !matching[i]) return [];
-    return [
-      {
+  const drawn = loaded.flatMap(({ job }, i) => {
+    const best = fits[i]?.curves.find(({ role }) => role === "best")?.values[name];
+    return best ? [{ i, name: job.name, best }] : [];
+  });
+  const left = loaded.filter((_, i) => loaded[i].fit.series.some((one) => one.series === name) && !fits[i]);
+  return {
+    data: [
+      ...measured,
+      ...drawn.map(({ i, name: job, best }) => ({
         type: "scatter",
         mode: "lines",
-        name: job.name,
-        x: series[i].x,
-        y: best,
+        name: job,
+        ...curve(i, best),
         line: { dash: DASHES[i], color: palette()[i], width: 2 },
-      },
-    ];
-  });
-  return {
-    data: [...measured, ...curves],
+      })),
+    ],
     layout: {
-      xaxis: { title: { text: withUnit(first.x_quantity, first.x_unit) } },
+      xaxis: long
+        ? stageAxis(first, stages.find(Boolean))
+        : { title: { text: withUnit(first.x_quantity, first.x_unit) } },
       yaxis: { title: { text: withUnit(first.y_quantity, first.y_unit) }, ...direction(name, first.y_quantity) },
       showlegend: true,
       height: 360,
     },
-    label: `${name}: measured points and the best evaluation of ${curves.length} jobs`,
+    label: `${name}: measured points and the best evaluation of ${drawn.length} jobs${long ? ", every stage over the logarithm of its time" : ""}${left.length ? `; not of ${left.map(({ job }) => job.name).join(", ")}, with another unit` : ""}`,
     columns: {
       [withUnit(first.x_quantity, first.x_unit)]: first.x,
       measured: first.measured,
-      ...Object.fromEntries(curves.map((curve, i) => [`${curve.name} (${i + 1})`, curve.y])),
+      ...Object.fromEntries(drawn.map(({ i, name: job, best }) => [`${job} (${i + 1})`, best])),
     },
   };
 }
+
+const same = (lists) =>
+  new Set(lists.map((list) => JSON.stringify(list.map((value) => Number(value.toPrecision(9)))))).size < 2;

@@ -5,7 +5,7 @@ import { amount, ends, number, plain, precise, symbol, withUnit } from "../forma
 import { get } from "../http.js";
 import { ENDED } from "../states.js";
 import { materialButtons } from "./copy.js";
-import { nextStep } from "./next_step.js";
+import { nextStep, widening } from "./next_step.js";
 
 const AHEAD = new Set(["predict", "design"]); // follow-ups that ask of other tests: their page says what they found
 const FORMS = { fixed: "fixed", linked: "linked" };
@@ -116,9 +116,9 @@ export function answer(view) {
       said.replaceChildren();
       return;
     }
-    document
-      .getElementById("alarm")
-      .replaceChildren(...alarm(view.statistics.fit, view.id, view.statistics.fit.kind !== "lack_of_fit"));
+    const { fit, verdicts } = view.statistics;
+    const elsewhere = fit.kind === "lack_of_fit" && !widening(verdicts); // the next step is to change the problem
+    document.getElementById("alarm").replaceChildren(...alarm(fit, view.id, !elsewhere));
     show();
     next.show();
   }

@@ -29,6 +29,16 @@ export function stagesOf({ x, breaks }) {
   };
 }
 
+/** The axis below stages that are drawn beside each other. */
+export const stageAxis = (series, { low, high, starts }) => ({
+  title: {
+    text: `stage, each over log ${series.x_quantity} from ${number(low, 2)} to ${number(high, 2)} ${series.x_unit}`,
+  },
+  tickvals: starts.map((_, i) => i + 0.45),
+  ticktext: starts.map((one) => String(one + 1)),
+  range: [-0.1, starts.length],
+});
+
 /** A curve with a gap between stages. */
 export function broken(places, stage, values) {
   const x = [],
@@ -69,14 +79,7 @@ export function fitPlot(fit, name, { time = "linear", initial = true } = {}) {
     : {};
   const line = (curve) => (stages ? broken(x, stages.stage, curve.values[name]) : { x, y: curve.values[name] });
   const axis = stages
-    ? {
-        title: {
-          text: `stage, each over log ${series.x_quantity} from ${number(stages.low, 2)} to ${number(stages.high, 2)} ${series.x_unit}`,
-        },
-        tickvals: stages.starts.map((_, i) => i + 0.45),
-        ticktext: stages.starts.map((one) => String(one + 1)),
-        range: [-0.1, stages.starts.length],
-      }
+    ? stageAxis(series, stages)
     : {
         title: { text: xTitle },
         type: time === "log" ? "log" : "linear",

@@ -10,12 +10,18 @@ import { unitChoices } from "./readings.js";
 
 const MOST = 300,
   HEIGHT = 430,
-  LEAST = 105,
+  LARGEST = 540,
+  LEAST = 90,
+  GAP = 4,
+  LEGEND = 36,
+  BELOW = 24,
+  BESIDE = 992,
   CAPTION = 36,
   LETTER = 6.2,
   RIGHT = 8,
   TOP = 6,
   BOTTOM = 34; // px
+const ABOVE = ["live", "alarm", "outcome", "warnings", "answer"]; // what moves the fit down when it comes
 
 /** "cell 50: volumetric strain": the test, where there are several, and what was measured. */
 const headed = (series) => plain(series.replace(".", ": "));
@@ -166,7 +172,16 @@ export function glance(view) {
   const place = document.getElementById("fit");
   let diagrams = [],
     asked = null,
-    width = 0;
+    width = 0,
+    top = 0;
+
+  const topNow = () => place.getBoundingClientRect().top + scrollY;
+
+  /** Pixels for all drawings: beside the parameters, they end with the window. */
+  function room() {
+    if (innerWidth < BESIDE) return HEIGHT;
+    return Math.min(Math.max(innerHeight - top - LEGEND - BELOW, HEIGHT / 2), LARGEST);
+  }
 
   async function more() {
     if (!ENDED.has(view.job.state) || view.job.objective === null || asked === view.job.objective) return;
@@ -185,11 +200,13 @@ export function glance(view) {
     const all = byTest([...view.fit.series.map((one) => ofSeries(view.fit, one)), ...diagrams.map(ofDiagram)]);
     const best = view.fit.curves.some(({ role }) => role === "best");
     width = place.clientWidth;
+    top = topNow();
     const columns =
       width < 480 ? (all.length > 2 ? 2 : 1) : all.length < 2 ? 1 : all.length < 5 ? 2 : all.length < 10 ? 3 : 4;
     const rows = Math.ceil(all.length / columns);
     const wide = Math.max(130, Math.floor((width - 8 * (columns - 1)) / columns));
-    const high = Math.round(Math.min(Math.max(HEIGHT / rows - CAPTION, LEAST), Math.max(0.75 * wide, LEAST)));
+    const most = (room() - GAP * (rows - 1)) / rows - CAPTION;
+    const high = Math.floor(Math.min(Math.max(most, LEAST), Math.max(0.95 * wide, LEAST)));
     exchange(
       place,
       element(
@@ -234,6 +251,10 @@ export function glance(view) {
   addEventListener("resize", () => {
     if (Math.abs(place.clientWidth - width) > 20) draw();
   });
+  const moved = new ResizeObserver(() => {
+    if (innerWidth >= BESIDE && Math.abs(topNow() - top) > 4) draw();
+  });
+  for (const id of ABOVE) moved.observe(document.getElementById(id));
   place.replaceChildren(empty("Loading …"));
   return {
     job: more,

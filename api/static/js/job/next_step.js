@@ -1,27 +1,44 @@
 // One next step, with what it takes: what the data can tell, how far to trust it, then the report.
 import { FOLLOW_UPS, affordable, costWords } from "../costs.js";
 import { element, exchange, once } from "../dom.js";
-import { percent } from "../format.js";
+import { percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
+import { recalculate, withParameters } from "../remedies.js";
 import { OPEN } from "../states.js";
 
 const AGAIN = 2000,
   SPARSE = 0.1;
 const PATHS = { sensitivity: "sensitivity", profile: "profile", explore: "explore" };
 
-/** What to do after the statistics of a job: {kind, words, why}; kind null is a link. */
-export function proposed({ linearisation, fit, basins }) {
+/** The bound that the data pull beyond: a proposal to widen it, if there is one. */
+export const widening = (verdicts) =>
+  verdicts.flatMap(({ proposals }) => proposals).find(({ kind }) => kind === "widen");
+
+/** What to do after the statistics of a job: {kind, words, why}; kind null is a link, "again" the job with a change. */
+export function proposed({ linearisation, fit, basins, verdicts }, bounds = []) {
   if (!linearisation || !linearisation.at_optimum)
     return {
       kind: "sensitivity",
       words: "Find out what the data can tell",
       why: "Goes to the minimum and calculates intervals there.",
     };
+  const wider = widening(verdicts);
+  if (wider) {
+    const { parameter, changes, sentence: why } = wider;
+    const searched = bounds.find(({ name }) => name === parameter);
+    const side = searched && (changes.parameters[parameter].lower < searched.lower ? "lower" : "upper");
+    return {
+      kind: "again",
+      words: `Widen the ${side ? `${side} bound` : "bounds"} of ${symbol(parameter)}`,
+      why,
+      change: (problem) => withParameters(problem, changes.parameters),
+    };
+  }
   if (fit.kind === "lack_of_fit")
     return {
       kind: null,
       words: "Change the problem and calibrate again",
-      why: "Leave out what the model does not contain, or take another law.",
+      why: "Leave out what the model does not contain, or use another law.",
       path: (id) => `/new?from=${id}`,
     };
   if (Object.values(linearisation.parameters).some(({ bent }) => bent))
@@ -35,7 +52,7 @@ export function proposed({ linearisation, fit, basins }) {
       kind: "explore",
       words: "Look for another set of parameters that fits",
       why: basins.unfinished.length
-        ? "Runs point to another basin, that the search did not explore."
+        ? "Some runs point to another basin that the search did not explore."
         : "Parameters may be interchangeable: no run has tried swapped values.",
     };
   if ((basins.hidden ?? 0) > SPARSE)
@@ -60,6 +77,7 @@ export function nextStep(view, place, onFound) {
   async function begin(step, cost) {
     message.textContent = "";
     try {
+      if (step.change) return void (await recalculate(view.id, step.words, step.change));
       if (!(await affordable(step.words, cost))) return;
       await watch(await post(`/jobs/${view.id}/${PATHS[step.kind]}`, {}));
     } catch (error) {
@@ -112,7 +130,9 @@ export function nextStep(view, place, onFound) {
 
   return {
     async show() {
-      const step = proposed(view.statistics);
+      if (view.statistics.fit.kind === "lack_of_fit" && document.querySelector("#alarm button"))
+        return void exchange(place); // the step is there
+      const step = proposed(view.statistics, view.fit?.parameters);
       const why = element("p", { class: "help" }, step.why);
       if (step.kind === null)
         return void exchange(
@@ -146,7 +166,7 @@ export function nextStep(view, place, onFound) {
       const button = element(
         "button",
         { type: "button", onclick: () => once(button, () => begin(step, cost)) },
-        step.words,
+        `${step.words}${step.change ? " and recalculate" : ""}`,
         cost ? element("small", {}, costWords(cost)) : null,
       );
       exchange(place, button, why, message);

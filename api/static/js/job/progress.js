@@ -74,7 +74,9 @@ export function progress(view) {
           ? "none has succeeded yet"
           : null
         : `lowest objective ${number(found.objective)}`,
-      found.seconds_left === null ? null : `at most ${duration(found.seconds_left)} left`,
+      found.seconds_left === null
+        ? null
+        : `${found.seconds_left < 1 ? "less than 1 s" : `at most ${duration(found.seconds_left)}`} left`,
       job.state === "queued" ? "waiting for a worker" : null,
     ];
     const text = `${parts.filter(Boolean).join(" · ")}.`;

@@ -3,7 +3,8 @@ import { element } from "../dom.js";
 import { paint } from "./drawing.js";
 import { box } from "./geometry.js";
 
-const CHROME = 420; // px of the window for what stands above the body: what is shown, its legend, its readings
+const SCALES = 110; // px of the canvas for axes, scales and buttons
+const CHROME = 470; // px of the window for what stands above the body: what is shown, its legend, its readings
 const MARGIN = 0.06,
   STEP = 1.4,
   MOVE = 60,
@@ -60,7 +61,9 @@ export class BodyCanvas {
     const [left, bottom, right, top] = box(this.view.mesh.nodes);
     this.width = this.frame.clientWidth;
     const slim = (top - bottom) / (right - left || 1);
-    this.height = Math.round(Math.max(240, Math.min(620, innerHeight - CHROME, this.width * (slim + 2 * MARGIN) + 70)));
+    this.height = Math.round(
+      Math.max(240, Math.min(620, innerHeight - CHROME, this.width * (slim + 2 * MARGIN) + SCALES)),
+    );
     this.ratio = Math.min(2, devicePixelRatio || 1);
     this.canvas.width = this.width * this.ratio;
     this.canvas.height = this.height * this.ratio;
@@ -72,7 +75,7 @@ export class BodyCanvas {
     const [left, bottom, right, top] = box(this.view.mesh.nodes);
     this.pixels = Math.min(
       (this.width * (1 - 2 * MARGIN)) / (right - left || 1),
-      (this.height - 70) / (top - bottom || 1),
+      (this.height - SCALES) / (top - bottom || 1),
     );
     this.centre = [(left + right) / 2, (bottom + top) / 2];
     this.draw();

@@ -1,10 +1,14 @@
 // Paints a body on a canvas: regions or contours, deformed as wanted, with its mesh, outline and vectors.
-import { COLOURS, tickText } from "../scales.js";
+import { COLOURS, tickText, ticks } from "../scales.js";
 import { colour, palette } from "../plot.js";
-import { PIECES, between, roundDown } from "./geometry.js";
+import { PIECES, between, roundDown, thickness } from "./geometry.js";
 
 export const INTERFACE = "--series-2"; // its colour
 const LONGEST_ARROW = 0.14;
+const EDGE = 42, // px between the lower edge and what is drawn for scale, for the axis below it
+  BETWEEN = 90,
+  TICK = 6,
+  THIN = 3; // px: lines around thinner triangles would hide their colour
 
 /** Colour of a band, of a number of bands. */
 export function bandColour(band, count) {
@@ -40,7 +44,32 @@ export function paint(context, view, map, size) {
   if (view.options.outline) edges(context, view.outline, view.mesh.nodes.map(map), colour("--ink"), [5, 4]);
   if (view.options.points) points(context, view.mesh, pixels);
   if (view.options.vectors) arrows(context, view, map, size);
+  axes(context, map, size);
   metres(context, map, size);
+}
+
+/** Places in metres along the lower edge and the left one. */
+function axes(context, map, [width, height]) {
+  const [[x0, y0], [dx, dy]] = [map([0, 0]), [map([1, 0])[0] - map([0, 0])[0], map([0, 0])[1] - map([0, 1])[1]]];
+  const on = (low, high, length) => ticks(low, high, "linear", Math.max(2, Math.floor(length / BETWEEN)));
+  context.strokeStyle = colour("--ink");
+  context.lineWidth = 1;
+  context.beginPath();
+  const across = on(-x0 / dx, (width - x0) / dx, width).map((x) => [x, x0 + x * dx]);
+  const up = on((y0 - height) / dy, y0 / dy, height).map((y) => [y, y0 - y * dy]);
+  for (const [, at] of across) line(context, [at, height], [at, height - TICK]);
+  for (const [, at] of up) line(context, [0, at], [TICK, at]);
+  context.stroke();
+  const room = ([, at], length) => at > 30 && at < length - 30;
+  for (const one of across)
+    if (room(one, width)) label(context, `x = ${tickText(one[0])} m`, one[1], height - TICK - 4);
+  for (const one of up)
+    if (room(one, height - EDGE)) label(context, `y = ${tickText(one[0])} m`, TICK + 4, one[1] + 4, "left");
+}
+
+function line(context, from, to) {
+  context.moveTo(...from);
+  context.lineTo(...to);
 }
 
 /** A length of the body, for scale. */
@@ -52,12 +81,12 @@ function metres(context, map, [width, height]) {
   context.strokeStyle = colour("--ink");
   context.lineWidth = 2;
   context.beginPath();
-  context.moveTo(start, height - 22);
-  context.lineTo(start, height - 16);
-  context.lineTo(end, height - 16);
-  context.lineTo(end, height - 22);
+  context.moveTo(start, height - EDGE - TICK);
+  context.lineTo(start, height - EDGE);
+  context.lineTo(end, height - EDGE);
+  context.lineTo(end, height - EDGE - TICK);
   context.stroke();
-  label(context, `${tickText(length)} m`, (start + end) / 2, height - 24);
+  label(context, `${tickText(length)} m`, (start + end) / 2, height - EDGE - 8);
 }
 
 function triangle(path, nodes, pixels) {
@@ -127,7 +156,8 @@ function fineness(triangles, pixels) {
 
 function lines(context, triangles, pixels, paintOf, width) {
   const path = new Path2D();
-  for (const nodes of triangles) triangle(path, nodes, pixels);
+  for (const nodes of triangles)
+    if (thickness(...nodes.slice(0, 3).map((node) => pixels[node])) >= THIN) triangle(path, nodes, pixels);
   context.strokeStyle = paintOf;
   context.lineWidth = width;
   context.stroke(path);
@@ -200,8 +230,8 @@ function arrows(context, { vectors, unit }, map, [width, height]) {
     }
   }
   const key = roundDown(longest);
-  arrow(context, 16, height - 16, 16 + factor * key, height - 16, colour("--ink"), 2);
-  label(context, `${tickText(key * unit.factor)} ${unit.name}`, 16, height - 24, "left");
+  arrow(context, 16, height - EDGE, 16 + factor * key, height - EDGE, colour("--ink"), 2);
+  label(context, `${tickText(key * unit.factor)} ${unit.name}`, 16, height - EDGE - 8, "left");
 }
 
 function arrow(context, x0, y0, x1, y1, paintOf, thick) {

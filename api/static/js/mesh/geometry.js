@@ -76,6 +76,13 @@ export function box(places) {
   return found;
 }
 
+/** The smallest height of a triangle. */
+export function thickness(a, b, c) {
+  const side = ([x, y], [u, v]) => Math.hypot(x - u, y - v);
+  const twice = Math.abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+  return twice / Math.max(side(a, b), side(b, c), side(c, a));
+}
+
 /** The largest round number (1, 2 or 5 times a power of ten) that is not above a value. */
 export function roundDown(value) {
   const power = 10 ** Math.floor(Math.log10(Math.max(value, 1e-300)));

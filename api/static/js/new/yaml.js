@@ -1,7 +1,7 @@
 // The same problem as YAML: always there, can be written, copied and downloaded; with the list of what is wrong.
 import { announce, element, exchange } from "../dom.js";
 import { isTodo } from "./fields.js";
-import { messageOf, worded } from "./words.js";
+import { messageOf, placeOf, worded } from "./words.js";
 
 export function yamlPanel(context, place, strict) {
   const { draft } = context;
@@ -90,7 +90,7 @@ export function yamlPanel(context, place, strict) {
   }
 
   function item(issue) {
-    const words = `${issue.path || "problem"}: ${messageOf(issue)}`;
+    const words = `${issue.path ? placeOf(issue.path) : "The problem"}${isTodo(issue) ? "" : ":"} ${messageOf(issue)}`;
     const jump = element(
       "button",
       { type: "button", class: "link", onclick: () => go(issue) },

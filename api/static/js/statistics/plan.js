@@ -4,6 +4,7 @@ import { element, exchange, once, tableHead, wide } from "../dom.js";
 import { count, duration, number, symbol } from "../format.js";
 import { get, post } from "../http.js";
 import { messageOf, placeOf } from "../new/words.js";
+import { withParameters } from "../remedies.js";
 
 const WORDS = { fixed: "fixed", linked: "linked", widened: "bounds changed" };
 
@@ -166,18 +167,7 @@ export class Plan {
 
   async document() {
     const problem = await get(`/jobs/${this.job}/problem`);
-    for (const [name, section] of Object.entries(this.changes())) {
-      const { initial, integer } = problem.parameters[name];
-      const kept =
-        section.lower === undefined
-          ? {}
-          : {
-              ...(integer ? { integer } : {}),
-              ...(initial >= section.lower && initial <= section.upper ? { initial } : {}),
-            };
-      problem.parameters[name] = { ...section, ...kept };
-    }
-    return { ...problem, name: this.title.value || problem.name };
+    return { ...withParameters(problem, this.changes()), name: this.title.value || problem.name };
   }
 
   /** The same search again costs about what it has cost before. */

@@ -6,6 +6,7 @@ import { count, ends, number, percent, symbol } from "../format.js";
 import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
 import { ENDED, OPEN } from "../states.js";
+import { posterior } from "./posterior.js";
 
 const BASES = {
   bent: " (approximate: the model is nonlinear there; profiles give it)",
@@ -26,6 +27,7 @@ function basisOf({ bent, interval_basis: basis, widening }) {
 }
 
 const AGAIN_SECONDS = 2;
+const LATER = new Set(["profile", "jackknife"]); // they start from the sensitivities
 
 const KINDS = [
   ["sensitivity", "sensitivity", BUTTONS.sensitivity, "Goes to the minimum; standard errors, intervals, combinations"],
@@ -33,13 +35,13 @@ const KINDS = [
     "profile",
     "profile",
     BUTTONS.profile,
-    "The lowest objective for every value of a parameter; needs the sensitivities first",
+    "The lowest objective for every value of a parameter; from the sensitivities",
   ],
   [
     "jackknife",
     "jackknife",
     BUTTONS.jackknife,
-    "Fits the parameters again without each test: which test pulls; needs the sensitivities first",
+    "Fits the parameters again without each test: which test pulls; from the sensitivities",
   ],
   [
     "explore",
@@ -82,6 +84,7 @@ export class Uncertainty {
         "Each is a separate job; its results appear here, in the verdicts and in the report.",
       ),
       ...[this.buttons, this.message, this.jobs, this.table, this.profiles, this.indices].filter(Boolean),
+      posterior(job, units),
     );
   }
 
@@ -95,8 +98,24 @@ export class Uncertainty {
       const cost = this.costs.get(kind),
         button = this.starts.get(kind);
       button.hidden = !cost; // of one test none can be left out
-      if (cost) exchange(button, words, element("small", {}, cost.refused ? "" : costWords(cost)));
+      if (cost) exchange(button, words, element("small", {}, this.words(kind, cost)));
     }
+  }
+
+  words(kind, cost) {
+    if (!cost.refused) return costWords(cost);
+    return LATER.has(kind) ? `with the sensitivities first: ${costWords(this.both(cost))}` : "";
+  }
+
+  /** What a follow-up takes with the sensitivities that it starts from. */
+  both({ evaluations, seconds }) {
+    const first = this.costs.get("sensitivity");
+    const known = first.seconds !== null && seconds !== null;
+    return {
+      evaluations: first.evaluations + evaluations,
+      exact: false,
+      seconds: known ? first.seconds + seconds : null,
+    };
   }
 
   /** As if its button had been pressed. */
@@ -111,8 +130,10 @@ export class Uncertainty {
     try {
       if (!this.costs.has(kind)) await this.price();
       const cost = this.costs.get(kind);
-      if (!cost?.refused && !(await affordable(words, cost))) return;
-      await post(`/jobs/${this.job}/${path}`, {});
+      const both = cost?.refused && LATER.has(kind);
+      if ((both || !cost?.refused) && !(await affordable(words, both ? this.both(cost) : cost))) return;
+      const made = await post(`/jobs/${this.job}/${both ? "sensitivity" : path}`, {});
+      this.next = both ? { after: made.id, path } : null;
       await this.refresh();
     } catch (error) {
       this.message.textContent = error.message;
@@ -137,6 +158,8 @@ export class Uncertainty {
       this.message.textContent = error.message;
       return;
     }
+    const first = this.next && found.follow_ups.find(({ id }) => id === this.next.after);
+    if (first && ENDED.has(first.state)) return void (await this.goOn(first.state));
     const open = found.follow_ups.filter(({ state }) => !ENDED.has(state)).length;
     exchange(
       this.jobs,
@@ -171,6 +194,19 @@ export class Uncertainty {
     if (open !== this.open) this.price().catch(() => {}); // the buttons say no costs, then
     this.open = open;
     if (open) this.timer = setTimeout(() => this.refresh(), 1000 * AGAIN_SECONDS);
+  }
+
+  /** The sensitivities have ended: start what was to come after them. */
+  async goOn(state) {
+    const { path } = this.next;
+    this.next = null;
+    try {
+      if (state === "finished") await post(`/jobs/${this.job}/${path}`, {});
+    } catch (error) {
+      this.message.textContent = error.message;
+    }
+    this.onFound();
+    await this.refresh();
   }
 
   intervals({ linearisation, jackknife, notes, fit }) {
