@@ -91,6 +91,7 @@ def test_signing_in_and_out_with_a_key(full: Site, visit: Visit) -> None:
     expect(page.locator("h1")).to_have_text("Sign in")
 
 
+@pytest.mark.slow
 def test_owners_see_their_own_jobs_only(full: Site, visit: Visit) -> None:
     page, _ = visit(full, "/", key=full.key("alice"))
     made = page.evaluate(

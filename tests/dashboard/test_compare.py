@@ -83,6 +83,7 @@ def test_jobs_are_added_and_removed(embedded: Site, visit: Visit, ids: list[str]
     assert page.locator("#parameters").count() == 0
 
 
+@pytest.mark.slow
 def test_a_running_job_is_followed(embedded: Site, visit: Visit, ids: list[str]) -> None:
     view, _ = embedded.service.submit(parse_problem(textbook(name="running", **LONG)))
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from playwright.sync_api import expect
 
 from tests.dashboard.conftest import Site
@@ -28,6 +29,7 @@ def test_columns_and_units_of_a_table_without_headings_are_one_question(embedded
     expect(yaml(page)).to_have_value(re.compile("x_unit: min"))
 
 
+@pytest.mark.slow
 def test_a_strain_is_made_of_a_stroke(embedded: Site, visit: Visit) -> None:
     """Files of presses, which have strokes and forces, could not be taken."""
     page, _ = visit(embedded, "/new?example=triaxial")
@@ -56,6 +58,7 @@ def test_a_time_of_a_formula_is_no_number_of_a_row(embedded: Site, visit: Visit)
     expect(chosen(mapping, "Column of x")).to_have_text("Zeit")
 
 
+@pytest.mark.slow
 def test_noise_before_a_test_is_asked_for(embedded: Site, visit: Visit) -> None:
     """The problem was refused after the readings were taken."""
     page, _ = visit(embedded, "/new?example=triaxial")
@@ -67,6 +70,7 @@ def test_noise_before_a_test_is_asked_for(embedded: Site, visit: Visit) -> None:
     expect(yaml(page)).to_have_value(re.compile("x_from: 0\n"))
 
 
+@pytest.mark.slow
 def test_the_state_before_the_first_stage_is_left_out(embedded: Site, visit: Visit) -> None:
     """Its load, 0 as a rule, was refused, and cells had to be given; as stage 0 it was refused after it was taken."""
     page, guard = visit(embedded, "/new?example=oedometer")
@@ -82,6 +86,7 @@ def test_the_state_before_the_first_stage_is_left_out(embedded: Site, visit: Vis
     expect(page.locator("#verdict")).to_contain_text("Complete")
 
 
+@pytest.mark.slow
 def test_the_stage_of_a_file_of_several_is_asked_for(embedded: Site, visit: Visit) -> None:
     """Rows of all stages were offered for sorting: strains of consolidation among those of shearing."""
     page, _ = visit(embedded, "/new?example=triaxial")
@@ -103,6 +108,7 @@ def test_the_stage_of_a_file_of_several_is_asked_for(embedded: Site, visit: Visi
     expect(yaml(page)).to_have_value(re.compile(r"x: \[0, 1, 2\]"))
 
 
+@pytest.mark.slow
 def test_the_time_of_day_is_no_part_of_a_strain(embedded: Site, visit: Visit) -> None:
     """The first series that was proposed took it; with another one, strains were no dates."""
     page, _ = visit(embedded, "/new?example=triaxial")

@@ -159,6 +159,7 @@ def test_why_a_job_failed_is_one_step_away(site: Site, visit: Visit, submit: Cal
     assert guard.faults == []
 
 
+@pytest.mark.slow
 def test_a_column_that_has_no_place_in_the_dialog_is_a_fact(
     site: Site, visit: Visit, submit: Callable[..., str]
 ) -> None:
@@ -213,6 +214,7 @@ def test_evaluations_are_filtered_and_opened_by_keyboard(embedded: Site, visit: 
     assert download.value.path().read_text().count("\n") == len(first) + 1
 
 
+@pytest.mark.slow
 def test_particles_are_leafed_through(embedded: Site, visit: Visit) -> None:
     view, _ = embedded.service.submit(parse_problem(textbook(name="particles")))
     wait_for_end(embedded.service, view.id)
@@ -233,6 +235,7 @@ def test_particles_are_leafed_through(embedded: Site, visit: Visit) -> None:
     assert rows.count() == 6
 
 
+@pytest.mark.slow
 def test_the_jobs_of_others_are_kept_out_of_reach(full: Site, visit: Visit) -> None:
     alice = full.service.on_behalf_of(Principal("alice", "submit"))
     job_id = alice.submit(parse_problem(textbook(name="confidential-slope", **LONG)))[0].id

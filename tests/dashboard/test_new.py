@@ -151,6 +151,7 @@ def test_the_same_with_keys_and_workers(full: Site, visit: Visit, readings: Path
     expect(page.locator("h1 .state")).to_have_text("finished", timeout=CALM)
 
 
+@pytest.mark.slow
 def test_a_sheet_of_a_workbook_is_mapped(embedded: Site, visit: Visit) -> None:
     page, guard = visit(embedded, "/new?example=formula")
     guard.allow("422")
@@ -235,6 +236,7 @@ def test_mistakes_appear_where_they_are_while_one_types(embedded: Site, visit: V
     assert page.url.endswith("/new?example=oedometer")
 
 
+@pytest.mark.slow
 def test_it_begins_with_an_earlier_job(embedded: Site, visit: Visit) -> None:
     with example_file("isotropic_compression") as path:
         view, _ = embedded.service.submit(load_problem(path))
@@ -302,6 +304,7 @@ def test_a_check_that_fails_says_why(embedded: Site, visit: Visit) -> None:
     assert page.locator(".mapping").count() == 0
 
 
+@pytest.mark.slow
 def test_a_check_warns_of_what_is_probably_not_meant(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     expect(page.get_by_text("do not contain primary consolidation").first).to_be_visible(timeout=CALM)

@@ -72,6 +72,7 @@ def test_a_specimen_replaces_the_problem_by_confirmation_and_undo_brings_it_back
     expect(page.locator(".made-of")).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_several_specimens_become_one_problem(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new")
     form = listed(page)
@@ -108,6 +109,7 @@ def test_all_of_it_by_keyboard(embedded: Site, visit: Visit) -> None:
     expect(page.locator(".observation")).to_contain_text("226 readings")
 
 
+@pytest.mark.slow
 def test_what_the_file_does_not_say_can_be_given(embedded: Site, visit: Visit) -> None:
     page, guard = visit(embedded, "/new")
     guard.allow("422")
@@ -155,6 +157,7 @@ def test_a_file_without_a_usable_test_says_so(embedded: Site, visit: Visit) -> N
     expect(page.locator("#file")).to_be_focused()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("data", "message"),
     variants(

@@ -126,6 +126,7 @@ def test_a_unit_is_found_or_asked_for(embedded: Site, visit: Visit, heading: str
     expect(yaml(page)).to_have_value(re.compile(f'y_unit: "?{unit or "0.01 mm"}'))
 
 
+@pytest.mark.slow
 def test_the_unit_of_chosen_cells_is_found(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     mapping = drop(
@@ -211,6 +212,7 @@ def test_formulas_without_values_are_named(embedded: Site, visit: Visit) -> None
     check_accessibility(page)
 
 
+@pytest.mark.slow
 def test_headings_that_say_nothing_are_not_guessed(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     mapping = drop(page, "Kanal 1;Kanal 2\n1;0,5\n2;0,7\n")
@@ -241,6 +243,7 @@ SPECIMENS = (
 )
 
 
+@pytest.mark.slow
 def test_specimens_two_gauges_times_and_gross_errors(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=formula")
     mapping = drop(page, SPECIMENS)
@@ -316,7 +319,8 @@ def test_further_quantities_of_a_formula(embedded: Site, visit: Visit) -> None:
     check_accessibility(page)
 
 
-@pytest.mark.parametrize("content", variants([OWN, SPECIMENS], {SPECIMENS}))
+@pytest.mark.slow
+@pytest.mark.parametrize("content", [OWN, SPECIMENS])
 def test_the_import_fits_a_phone(embedded: Site, visit: Visit, content: str) -> None:
     page, _ = visit(embedded, "/new?example=oedometer", **PHONE)
     mapping = drop(page, content)
@@ -325,6 +329,7 @@ def test_the_import_fits_a_phone(embedded: Site, visit: Visit, content: str) -> 
     check_accessibility(page)
 
 
+@pytest.mark.slow
 def test_readings_are_prepared_in_every_way_of_the_problem_file(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=formula")
     expect(page.locator("#verdict")).to_contain_text("Complete")
@@ -399,6 +404,7 @@ def test_what_is_replaced_can_be_brought_back(embedded: Site, visit: Visit) -> N
     expect(stage).to_have_count(0)
 
 
+@pytest.mark.slow
 def test_removed_readings_come_back(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     expect(page.locator(".observation")).to_contain_text("226 readings")

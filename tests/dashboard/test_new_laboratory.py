@@ -101,6 +101,7 @@ def test_residuals_along_the_curve_are_chosen_for_a_series(embedded: Site, visit
     expect(residuals.locator("option:checked")).to_have_text("distances from the curve")
 
 
+@pytest.mark.slow
 def test_a_simple_shear_test_is_given_by_its_stages(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "clay", "direct_simple_shear")
     expect(page.locator('[data-path="forward_model.shearing[0].shear_strain"]')).to_have_value("0.25")

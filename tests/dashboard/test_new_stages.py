@@ -67,6 +67,7 @@ def test_times_of_a_clock_are_asked_for(embedded: Site, visit: Visit) -> None:
     expect(page.locator(".observation")).to_contain_text("3 readings")
 
 
+@pytest.mark.slow
 def test_readings_in_rows_are_columns_and_the_nearest_row_of_times_is_x(embedded: Site, visit: Visit) -> None:
     page, guard = visit(embedded, "/new?example=oedometer")
     guard.allow("422")  # loads of another test

@@ -143,6 +143,7 @@ def test_units_are_switched_and_remembered(embedded: Site, visit: Visit, job: st
     expect(page.get_by_label("Lengths")).to_have_value("m")
 
 
+@pytest.mark.slow
 def test_the_form_shows_what_is_done_and_folds_its_yaml(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new")
     rail = page.get_by_role("navigation", name="Sections of the form")
