@@ -81,8 +81,10 @@ def main(repeats: int = 1000) -> None:
     laws = ("elastic", "soft_soil", "soft_soil_creep", "modified_cam_clay", "hypoplastic_clay", "hardening_soil")
     for kind in (*laws, "hardening_soil_small"):
         times = np.geomspace(1.0, 3650.0, 200)
-        run = embankment(kind).build().prepare(dict.fromkeys(("settlement", "P1.excess_pore_pressure"), times))
-        values = {f"clay.{name}": value for name, value in usual_values(find_law(kind)).items()} | GROUND
+        usual = usual_values(find_law(kind))
+        spec = embankment(kind, None if kind == "hypoplastic_clay" else usual.get("e0", 1.6))
+        run = spec.build().prepare(dict.fromkeys(("settlement", "P1.excess_pore_pressure"), times))
+        values = {f"clay.{name}": value for name, value in usual.items()} | GROUND
         measure(f"column of 50 cells, ten years, {kind}", partial(run, values), max(1, repeats // 20))
 
 

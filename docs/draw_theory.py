@@ -165,6 +165,29 @@ def hardening_soil() -> Figure:
     return figure
 
 
+def elastic() -> Figure:
+    """Stiffness of linear elasticity with free and with confined sides, and its stress paths in laboratory tests."""
+    figure = Figure(figsize=(8.4, 3.6))
+    left, right = figure.subplots(1, 2)
+    E, strain = 10.0, np.array([0.0, 0.01])
+    left.plot(100.0 * strain, 1.0e3 * E * strain, color=BLUE, label="side free: E")
+    for nu, style in ((0.2, "-"), (0.3, "--"), (0.4, ":")):
+        confined = E * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+        label = f"no lateral strain, ν = {nu:g}: {confined / E:.2f} E"
+        left.plot(100.0 * strain, 1.0e3 * confined * strain, style, color=ORANGE, label=label)
+    finish(left, "axial strain [%]", "axial stress [kPa]", "Stiffness, E = 10 MPa", (0.0, 1.0), (0.0, 230.0))
+    at, K0 = 100.0, 0.3 / (1.0 - 0.3)
+    slope = 3.0 * (1.0 - K0) / (1.0 + 2.0 * K0)
+    top = 120.0
+    right.plot([at, at + top / 3.0], [0.0, top], color=BLUE, label="triaxial, drained: 3")
+    right.plot([at, at], [0.0, top], "--", color=BLUE, label="triaxial, undrained: p′ stays")
+    right.plot([at, at + top / slope], [0.0, top], color=ORANGE, label=f"oedometer, ν = 0.3: {slope:.2f}")
+    right.plot([at, 260.0], [0.0, 0.0], color=GREEN, linewidth=3.0, label="isotropic compression: 0")
+    finish(right, "p′ [kPa]", "q [kPa]", "Stress paths from p′ = 100 kPa", (80.0, 260.0), (-5.0, 200.0))
+    figure.tight_layout()
+    return figure
+
+
 def finish(axes: Axes, x: str, y: str, title: str, wide: tuple[float, float], tall: tuple[float, float]) -> None:
     """Names, limits and legend."""
     axes.set_xlim(*wide)
@@ -181,7 +204,8 @@ def main() -> None:
     for old in FOLDER.glob("*.svg"):
         old.unlink()
     with drawing():
-        figures = [*tests(), ("cones", cones()), ("cam-clay", cam_clay()), ("hardening-soil", hardening_soil())]
+        laws = {"cones": cones, "cam-clay": cam_clay, "hardening-soil": hardening_soil, "elastic": elastic}
+        figures = [*tests(), *((name, draw()) for name, draw in laws.items())]
         for name, figure in figures:
             figure.savefig(FOLDER / f"{name}.svg", facecolor="white", metadata={"Date": None})
     print(f"{len(figures)} figures in {FOLDER.name}")

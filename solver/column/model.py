@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,7 +24,14 @@ from geoswarm.solver.laboratory.flow.load_stages import LATE, LoadStages
 from geoswarm.solver.laboratory.record import no_voids
 from geoswarm.solver.laboratory.water_flow import FLOW, flow_fault, permeability_of
 from geoswarm.solver.laws.base import Soil
-from geoswarm.solver.laws.initial_state import horizontal_stress
+from geoswarm.solver.laws.initial_state import (
+    horizontal_stress,
+    incomplete,
+    knows_voids,
+    settled,
+    void_ratio_parameters,
+    voids_column,
+)
 from geoswarm.solver.laws.sources import HANSBO, HOLTZ, TERZAGHI
 from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 from geoswarm.solver.units import WATER
@@ -75,7 +82,12 @@ class ColumnModel:
 
     def _of_soil(self, name: str) -> tuple[ParameterInfo, ...]:
         """Parameters of a soil."""
-        return (*self.spec.soils[name].law.parameters, *FLOW, *((_RATIO,) if self.spec.drains else ()))
+        return (*self._of_law(name), *FLOW, *((_RATIO,) if self.spec.drains else ()))
+
+    def _of_law(self, name: str) -> tuple[ParameterInfo, ...]:
+        """Parameters of the law of a soil, with what its section settles."""
+        soil = self.spec.soils[name]
+        return void_ratio_parameters(soil.law, soil.initial_void_ratio)
 
     @cached_property
     def _of_drains(self) -> tuple[ParameterInfo, ...]:
@@ -130,7 +142,8 @@ class ColumnModel:
             given = self._own(name, parameters)
             fault = outside_limits([_RATIO], given)
             given.pop(_RATIO.name, None)
-            fault = fault or flow_fault(soil.law, given, soil.initial_void_ratio is not None)
+            fault = fault or outside_limits(settled(self._of_law(name)), given)
+            fault = fault or flow_fault(soil.law, given, knows_voids(soil.law, soil.initial_void_ratio))
             if fault is not None:
                 return f"{name}: {fault}"
         fault = outside_limits(self._of_drains, self._own("drains", parameters))
@@ -211,8 +224,28 @@ class ColumnModel:
         del series  # the same for all
         return self._loads.grid
 
-    def ground(self, parameters: Mapping[str, float]) -> Ground:
-        """What water meets.
+    def incomplete(self, declared: Collection[str]) -> str | None:
+        """What laws lack among the parameters given, with the soils."""
+        for name, soil in self.spec.soils.items():
+            own = {one.removeprefix(f"{name}.") for one in declared if one.startswith(f"{name}.")}
+            fault = incomplete(soil.law, self._of_law(name), own)
+            if fault is not None:
+                return f"{name}: {fault}"
+        return None
+
+    def _first_voids(self, column: Column) -> FloatArray:
+        """Void ratio of the cells before the first stage, of the section or of the law, (j,); 0 where it is unknown."""
+        voids = np.zeros(self.cells.heights.size)
+        for name, soil in self.spec.soils.items():
+            here, state = self._places[name], voids_column(soil.law)
+            if soil.initial_void_ratio is not None:
+                voids[here] = soil.initial_void_ratio
+            elif state is not None:
+                voids[here] = column.internal[here, state]
+        return voids
+
+    def ground(self, parameters: Mapping[str, float], column: Column) -> Ground:
+        """What water meets in a column before the first stage.
 
         Raises
         ------
@@ -226,7 +259,8 @@ class ColumnModel:
             given = self._own(name, parameters)
             ratio[here] = given.pop(_RATIO.name, 1.0)
             try:
-                k[here], growth[here] = permeability_of(soil.law, given, soil.initial_void_ratio)
+                known = knows_voids(soil.law, soil.initial_void_ratio)
+                k[here], growth[here] = permeability_of(soil.law, given, 0.0 if known else None)
             except InfeasibleError as error:
                 raise InfeasibleError(f"{name}: {error}") from None
         zero = np.zeros(k.size)
@@ -237,7 +271,7 @@ class ColumnModel:
         return Ground(
             cells.share,
             2.0 * k / (WATER * spec.height * cells.heights),
-            growth,
+            growth * (1.0 + self._first_voids(column)),
             self._weight,
             self._lift,
             taken.sink,
@@ -269,8 +303,12 @@ class ColumnModel:
 
     def _soil(self, name: str, parameters: Mapping[str, float]) -> Soil:
         section = self.spec.soils[name]
+        known = settled(self._of_law(name))
         own = {info.name for info in section.law.parameters}
-        given = {key: value for key, value in self._own(name, parameters).items() if key in own}
+        given: dict[str, Any] = {info.name: info.default for info in known}
+        given |= {key: value for key, value in self._own(name, parameters).items() if key in own}
+        if (fault := outside_limits(known, given)) is not None:
+            raise InfeasibleError(f"{name}: {fault}")
         try:
             return section.law.soil({**given, **section.settings})
         except InfeasibleError as error:
@@ -310,7 +348,8 @@ class ColumnModel:
         ForwardError
             There is no solution for these parameters.
         """
-        column, ground = self.column(parameters), self.ground(parameters)
+        column = self.column(parameters)
+        ground = self.ground(parameters, column)
         return Trace(
             follow_loads(column, ground, self._loads.movements, self._watched, self.spec.tolerance, self._void_check)
         )

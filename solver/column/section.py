@@ -46,7 +46,8 @@ class SoilSection(Part):
         None,
         gt=0.0,
         le=100.0,
-        description="Void ratio before the first stage; needed by C_k and by series of the void ratio.",
+        description="Void ratio before the first stage, also of a law with e0; needed by series of the void ratio, and "
+        "by C_k with other laws.",
         json_schema_extra=in_unit("1", 0.4, 3),
     )
     initial_ratio: float | Literal["K0"] = Field(

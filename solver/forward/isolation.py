@@ -10,10 +10,13 @@ from __future__ import annotations
 import faulthandler
 import json
 import os
+import selectors
 import signal
 import sys
 import warnings
+from collections import deque
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack, suppress
 
 import numpy as np
 
@@ -27,6 +30,9 @@ from geoswarm.solver.user_laws.law import UserLaw
 __all__ = ["run_isolated"]
 
 _LINUX = sys.platform == "linux"
+_MOST_LINES = 100
+"""Of what the routines of one run print, the last ones, that are shown."""
+_CHUNK = 65536
 
 
 def run_isolated(run: ForwardRun, laws: Sequence[UserLaw]) -> ForwardRun:
@@ -64,6 +70,7 @@ def _in_a_copy(run: ForwardRun, parameters: Mapping[str, float]) -> dict[str, Fl
     sys.stdout.flush()
     sys.stderr.flush()
     receiving, sending = os.pipe()
+    reading, printing = os.pipe()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # of threads: the copy calls compiled code and writes
         pid = os.fork()
@@ -71,16 +78,19 @@ def _in_a_copy(run: ForwardRun, parameters: Mapping[str, float]) -> dict[str, Fl
         try:
             die_with_parent()
             os.close(receiving)
+            os.close(reading)
             faulthandler.disable()  # the process that waits for this copy reports a crash
-            os.dup2(2, 1)  # what a routine prints is no part of the answer of a command
+            os.dup2(printing, 1)  # what a routine prints is no part of the answer of a command
+            os.dup2(printing, 2)
+            os.close(printing)
             _write(sending, _answer(run, parameters))
             os.close(sending)
         finally:
             os._exit(0)
     os.close(sending)
+    os.close(printing)
     try:
-        with os.fdopen(receiving, "rb") as file:
-            answer = file.read()
+        answer = _read(receiving, reading)
     except BaseException:  # an interrupt
         os.kill(pid, signal.SIGKILL)
         os.waitpid(pid, 0)
@@ -103,6 +113,32 @@ def _answer(run: ForwardRun, parameters: Mapping[str, float]) -> bytes:
     except BaseException as error:  # noqa: BLE001  a fault of ours: told as the failure of one run
         head, body = {"reason": "bad_output", "message": f"the forward model raised {in_words(error)}"}, b""
     return json.dumps(head).encode() + b"\n" + body + b"."
+
+
+def _read(answering: int, printing: int) -> bytes:
+    """The answer of a copy; the last lines that its routines print go to the standard error of this process."""
+    answer, lines, count, rest = bytearray(), deque[bytes](maxlen=_MOST_LINES), 0, b""
+    with selectors.DefaultSelector() as selector, ExitStack() as closing:
+        for descriptor in (answering, printing):
+            selector.register(descriptor, selectors.EVENT_READ)
+            closing.callback(os.close, descriptor)
+        while selector.get_map():
+            for key, _ in selector.select():
+                part = os.read(key.fd, _CHUNK)
+                if not part:
+                    selector.unregister(key.fd)
+                elif key.fd == answering:
+                    answer += part
+                else:
+                    *whole, rest = (rest + part).split(b"\n")
+                    rest = rest[-_CHUNK:]
+                    lines.extend(whole)
+                    count += len(whole)
+    printed = b"".join(line + b"\n" for line in [*lines, *([rest] if rest else [])])
+    left_out = f"... {count - len(lines)} lines of the routine before these\n" if count > len(lines) else ""
+    with suppress(OSError):  # a closed standard error loses what was printed, not the answer
+        _write(2, left_out.encode() + printed)
+    return bytes(answer)
 
 
 def _write(descriptor: int, data: bytes) -> None:

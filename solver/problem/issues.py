@@ -40,6 +40,7 @@ _TYPES = {
     "none_required": "null",
 }
 _MAPPINGS = ("dict_type", "model_type", "model_attributes_type")
+_TAGS = ("union_tag_invalid", "union_tag_not_found")
 _MOST_KEYS = 8
 
 
@@ -70,18 +71,19 @@ def issues_of(error: ValidationError, section: Any, path: str, schema: Callable[
     found: dict[Issue, None] = {}
     schema = cache(schema)
     details = error.errors(include_url=False)
+    details = [one for one in details if one["type"] != "too_short" or not _has_mistakes_inside(one, details)]
     for place, detail in enumerate(details):
         if len(found) == _MOST_ISSUES:
             return [*found, Issue(path, f"{len(details) - place} more mistakes like these")]
         steps = _steps(detail, section)
-        around = steps if detail["type"] in _MAPPINGS else steps[:-1]
+        around = steps if detail["type"] in _MAPPINGS or detail["type"] in _TAGS else steps[:-1]
         refused = detail.get("ctx", {}).get("error")
         if isinstance(refused, SentenceError):
             of_section = isinstance(detail["input"], Mapping)  # else of a field, the keys are beside it
             within = join_path(path, steps if of_section else steps[:-1])
             issue = Issue.about(join_path(path, steps), refused.sentence, f"{within}." if within else "")
         else:
-            issue = Issue(join_path(path, steps), _message(detail, partial(_accepted_keys, schema, section, around)))
+            issue = Issue(join_path(path, steps), _message(detail, partial(_places_at, schema, section, around)))
         found[issue] = None
     return list(found)
 
@@ -136,18 +138,24 @@ def _steps(detail: ErrorDetails, section: Any) -> list[str | int]:
     return steps
 
 
-def _message(detail: ErrorDetails, accepted: Callable[[], list[str]]) -> str:
+def _has_mistakes_inside(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
+    """Whether a list is too short for pydantic only because it left out entries that have mistakes."""
+    place = detail["loc"]
+    return any(len(one["loc"]) > len(place) and one["loc"][: len(place)] == place for one in details)
+
+
+def _message(detail: ErrorDetails, places: Callable[[], _Places]) -> str:
     kind, value, context = detail["type"], detail["input"], detail.get("ctx", {})
     given = describe(value)
     if kind == "extra_forbidden":
-        keys = accepted()
+        keys = places().keys()
         hint = did_you_mean(str(detail["loc"][-1]), keys)
         return f"unknown key{hint}{_listed('; accepted: ', keys)}"
     if kind == "missing":
         return "is missing"
     if kind in _TYPES:
         hint = "; write it without quotes" if isinstance(value, str) and _is_number(value) else ""
-        keys = accepted() if kind in _MAPPINGS else []
+        keys = places().keys() if kind in _MAPPINGS else []
         known = _listed(" with keys such as " if keys[_MOST_KEYS:] else " with the keys ", keys[:_MOST_KEYS])
         return f"must be {_TYPES[kind]}{known}, got {given}{hint}"
     if kind == "finite_number":
@@ -155,10 +163,12 @@ def _message(detail: ErrorDetails, accepted: Callable[[], list[str]]) -> str:
     if kind in ("literal_error", "enum"):
         hint = did_you_mean(value, _quoted(context["expected"])) if isinstance(value, str) else ""
         return f"must be {context['expected']}, got {given}{hint}"
-    if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return (
-            f"must have {context.get('discriminator', 'a key')} {context.get('expected_tags', '')}, got {given}".strip()
-        )
+    if kind in _TAGS:
+        key = str(context["discriminator"]).strip("'")
+        tag = value.get(key) if isinstance(value, Mapping) else None
+        found = "is missing" if tag is None else f"is {describe(tag)}"
+        tags = places().constants(key)
+        return f"{key} {found}{did_you_mean(str(tag), tags)}{_listed('; accepted: ', tags)}"
     for limit, words in (("gt", "above"), ("ge", "at least"), ("lt", "below"), ("le", "at most")):
         if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal") and limit in context:
             return f"must be {words} {number(context[limit])}, got {given}"
@@ -192,22 +202,23 @@ def _listed(before: str, names: Iterable[str]) -> str:
     return f"{before}{listed}" if listed else ""
 
 
-def _accepted_keys(schema: Callable[[], dict[str, Any]], value: Any, steps: Iterable[str | int]) -> list[str]:
-    """Keys that the schema knows at a place in the data."""
-    places = _Places(schema())
+def _places_at(schema: Callable[[], dict[str, Any]], value: Any, steps: Iterable[str | int]) -> _Places:
+    """What the schema knows of a place in the data."""
+    places = _Places(schema(), value)
     for step in steps:
-        places, value = places.step(value, step), value[step]
+        value = value[step]
+        places = places.step(step, value)
         if places.is_forward_model and isinstance(value, Mapping):
             # A part of a combined model: what it may hold depends on its kind.
-            places = _Places(find_spec(str(value.get("kind"))).model_json_schema())
-    return places.keys(value)
+            places = _Places(find_spec(str(value.get("kind"))).model_json_schema(), value)
+    return places
 
 
 class _Places:
-    """All schemas that may apply at one place in the data, each with the document that holds its definitions."""
+    """All schemas that may apply to a value at one place in the data, with the document of their definitions."""
 
-    def __init__(self, root: Mapping[str, Any], nodes: Sequence[Mapping[str, Any]] | None = None) -> None:
-        self._root = root
+    def __init__(self, root: Mapping[str, Any], value: Any, nodes: Sequence[Mapping[str, Any]] | None = None) -> None:
+        self._root, self._value = root, value
         self._nodes = [branch for node in nodes or [root] for branch in self._branches(node)]
 
     def _branches(self, node: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -220,8 +231,9 @@ class _Places:
     def is_forward_model(self) -> bool:
         return any(node.get("x-forward-model") for node in self._nodes)
 
-    def step(self, value: Any, step: str | int) -> _Places:
-        chosen = [node for node in self._nodes if _fits(node, value)]
+    def step(self, step: str | int, value: Any) -> _Places:
+        """What applies to a value inside."""
+        chosen = [node for node in self._nodes if _fits(node, self._value)]
         below = []
         for node in chosen:
             if isinstance(step, int):
@@ -231,11 +243,17 @@ class _Places:
                 named = node.get("properties", {}).get(step, node.get("additionalProperties"))
                 below += [named, *node.get("patternProperties", {}).values()]
         nodes = [node for node in below if isinstance(node, Mapping)]
-        return _Places(self._root, nodes or [{}])
+        return _Places(self._root, value, nodes or [{}])
 
-    def keys(self, value: Any) -> list[str]:
-        chosen = [node for node in self._nodes if _fits(node, value)]
+    def keys(self) -> list[str]:
+        """Keys that are known there."""
+        chosen = [node for node in self._nodes if _fits(node, self._value)]
         return list(dict.fromkeys(key for node in chosen for key in node.get("properties", {})))
+
+    def constants(self, key: str) -> list[str]:
+        """Values of a key that tells several kinds of mapping apart."""
+        rules = [node.get("properties", {}).get(key, {}) for node in self._nodes]
+        return list(dict.fromkeys(str(rule["const"]) for rule in rules if "const" in rule))
 
 
 def _fits(node: Mapping[str, Any], value: Any) -> bool:

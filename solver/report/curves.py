@@ -62,6 +62,8 @@ class SeriesCurve:
         x at which a load is applied, of a test with loads in stages over time, shape (k,); empty for other series.
     loss_weights
         Weights that a robust loss gives the measured points, shape (m,); None without a loss.
+    x_integer
+        Whether x counts something, such as stages.
     """
 
     series: str
@@ -81,6 +83,7 @@ class SeriesCurve:
     gross_x: FloatArray = field(default_factory=lambda: np.empty(0))
     gross_y: FloatArray = field(default_factory=lambda: np.empty(0))
     loss_weights: FloatArray | None = None
+    x_integer: bool = False
 
     def thinned(self) -> SeriesCurve:
         """Return the curve with as many points as a figure can show."""
@@ -234,6 +237,7 @@ def _curve(
         gross_x=to_x(observation.gross_x),
         gross_y=to_y(observation.gross_y),
         loss_weights=None if weights is None else weights[order],
+        x_integer=info.x_integer,
     )
 
 

@@ -190,7 +190,7 @@ def test_the_library_is_found_where_the_package_is_installed(monkeypatch: pytest
 
 def test_the_laws_of_the_page_are_accepted() -> None:
     text = PAGE.read_text(encoding="utf-8")
-    listed = re.findall(r"`(\w+)`", text[text.index("Laws of soils in it:") : text.index("Their equations are")])
+    listed = re.findall(r"`(\w+)`", text[text.index("It contains the soil laws") : text.index("Their equations are")])
     assert len(listed) == 13
     for name in listed:
         assert behaviour_in(library(), "", name).fault is None

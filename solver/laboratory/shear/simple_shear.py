@@ -147,6 +147,12 @@ class DirectSimpleShearSpec(LaboratorySpec):
         """Whether a stage of shearing keeps the volume."""
         return (stage.constant or self.constant) == "volume"
 
+    def remedy_for(self, series: str) -> str:
+        """Also a constant volume, for a pore pressure."""
+        if series.endswith("pore_pressure") and not any(self.keeps_volume(stage) for stage in self.shearing):
+            return "; it needs shearing at constant volume (constant: volume)"
+        return super().remedy_for(series)
+
     @model_validator(mode="after")
     def _consistent(self) -> DirectSimpleShearSpec:
         require_pace(self.law, self.shearing)

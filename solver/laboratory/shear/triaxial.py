@@ -181,6 +181,12 @@ class TriaxialSpec(LaboratorySpec):
         """Whether a stage of shearing is undrained."""
         return (stage.drainage or self.drainage) == "undrained"
 
+    def remedy_for(self, series: str) -> str:
+        """Also drainage, for a pore pressure."""
+        if series.endswith("pore_pressure") and not any(self.is_undrained(stage) for stage in self.shearing):
+            return "; it needs undrained shearing (drainage: undrained)"
+        return super().remedy_for(series)
+
     @model_validator(mode="after")
     def _consistent(self) -> TriaxialSpec:
         undrained = any(self.is_undrained(stage) for stage in self.shearing)

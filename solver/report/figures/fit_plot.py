@@ -79,7 +79,7 @@ def fit_figure(
                 first = float(curve.measured_x[curve.measured_x > 0].min())
                 set_limits(upper, "x", first * 0.7, float(curve.measured_x.max()) * 1.4, log=True)
             else:
-                plain_ticks(lower, "x", log=False, most=6)
+                plain_ticks(lower, "x", log=False, most=6, whole=curve.x_integer)
             upper.tick_params(labelbottom=False)
     return figure
 

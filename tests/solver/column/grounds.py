@@ -14,13 +14,13 @@ STIFF = 2.0e3
 CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.0}
 
 
-def embankment(material: str, **changes: Any) -> ColumnSpec:
-    """A crust on clay under two lifts, of which one is taken off again, for ten years."""
+def embankment(material: str, voids: float | None = 1.6, **changes: Any) -> ColumnSpec:
+    """A crust on clay of a void ratio under two lifts, of which one is taken off again, for ten years."""
     return ground(
         [("crust", 1.5), ("clay", 8.5)],
         {
             "crust": {"material": "elastic", "unit_weight": 18.0, "initial_ratio": 0.6},
-            "clay": {"material": material, "unit_weight": 15.5, "initial_void_ratio": 1.6},
+            "clay": {"material": material, "unit_weight": 15.5, "initial_void_ratio": voids},
         },
         [(20.0, 60.0, 10.0), (40.0, 300.0, 10.0), (30.0, 3290.0)],
         **{

@@ -78,8 +78,10 @@ def test_a_piezometer_that_settles_has_more_water_above_it() -> None:
 
 @pytest.mark.parametrize("kind", BUILT_IN)
 def test_every_law_bears_an_embankment(kind: str) -> None:
-    values = {f"clay.{name}": value for name, value in usual_values(find_law(kind)).items()}
-    spec = embankment(kind, cells=12, tolerance=1.0e-3)
+    usual = usual_values(find_law(kind))
+    values = {f"clay.{name}": value for name, value in usual.items()}
+    voids = None if kind == "hypoplastic_clay" else usual.get("e0", 1.6)  # that of its normal compression
+    spec = embankment(kind, voids, cells=12, tolerance=1.0e-3)
     settlement, pore = run(
         spec,
         CRUST | values | {"clay.k": 5.0e-5, "clay.C_k": 0.8},
@@ -165,12 +167,38 @@ def test_drains_are_no_name_of_a_soil() -> None:
         ({"crust.nu": 0.6}, "crust: nu must be "),
         ({"clay.k_ratio": 0.0}, "clay: k_ratio must be above 0"),
         ({"drains.smear_ratio": 0.0}, "drains: smear_ratio must be above 0"),
+        ({"clay.e0": 1.2}, "clay: e0 must be 1.6, as the forward model has initial_void_ratio (give one of the two)"),
     ],
 )
 def test_parameters_that_cannot_be_are_told_with_their_soil(changes: dict[str, float], message: str) -> None:
     model = embankment("modified_cam_clay", drains={**DRAINS, "smear_diameter": 0.2}).build()
     assert str(model.check(SOILS | changes)).startswith(message)
     assert model.check(SOILS) is None
+
+
+def test_a_void_ratio_of_the_soil_is_that_of_its_law() -> None:
+    model = embankment("modified_cam_clay").build()
+    without = {name: value for name, value in SOILS.items() if name != "clay.e0"}
+    times = {"settlement": np.array([60.0])}
+    assert model.prepare(times)(without)["settlement"] == model.prepare(times)(SOILS)["settlement"]
+    with pytest.raises(InfeasibleError, match=r"clay: e0 must be 1\.6, as the forward model has initial_void_ratio"):
+        model.prepare(times)({**SOILS, "clay.e0": 1.2})
+
+
+def test_permeability_falls_with_the_void_ratio_of_the_law() -> None:
+    values, times = SOILS | {"clay.C_k": 0.8}, {"settlement": np.array([60.0, 3650.0])}
+    of_section = embankment("modified_cam_clay").build().prepare(times)(values)
+    of_law = embankment("modified_cam_clay", None).build().prepare(times)(values)
+    assert of_law["settlement"] == pytest.approx(of_section["settlement"], rel=1.0e-12)
+
+
+def test_a_law_without_a_void_ratio_is_found_before_a_run() -> None:
+    model = embankment("modified_cam_clay", None).build()
+    fault = model.incomplete([name for name in SOILS if name != "clay.e0"])
+    assert fault is not None
+    assert fault.startswith("clay: give exactly one of e0 and N")
+    assert "initial_void_ratio" in fault
+    assert model.incomplete(list(SOILS)) is None
 
 
 def test_a_run_without_permeability_names_the_soil() -> None:

@@ -105,6 +105,51 @@ def test_series_of_the_void_ratio_say_what_they_need(combined: bool) -> None:
         parse_problem(problem)
 
 
+@pytest.mark.parametrize(
+    ("section", "series", "messages"),
+    [
+        (
+            {"shearing": [{"axial_strain": 0.01}]},
+            "q",
+            ["forward_model.shearing[0]: kind is missing; accepted: monotonic, cyclic, hold"],
+        ),
+        (
+            {"shearing": [{"kind": "monotonous", "axial_strain": 0.01}]},
+            "q",
+            ["forward_model.shearing[0]: kind is text 'monotonous'; did you mean monotonic?; accepted: monotonic, "],
+        ),
+        (
+            {"shearing": [{"kind": "monotonic", "axial_strain": 10}]},
+            "q",
+            ["forward_model.shearing[0].axial_strain: must be at most 0.9, got 10"],
+        ),
+        ({"shearing": []}, "q", ["forward_model.shearing: must not be empty"]),
+        ({}, "pore_pressure", ["it needs undrained shearing (drainage: undrained)"]),
+        ({"kind": "direct_simple_shear"}, "pore_pressure", ["it needs shearing at constant volume (constant: volume)"]),
+    ],
+)
+def test_a_mistake_is_one_message_with_its_place_and_what_is_accepted(
+    section: dict[str, Any], series: str, messages: list[str]
+) -> None:
+    model: dict[str, Any] = {"kind": "triaxial", "material": "elastic", "initial_stress": 20.0}
+    strain = "axial_strain" if section.get("kind") is None else "shear_strain"
+    model |= {"shearing": [{"kind": "monotonic", strain: 0.01}]} | section
+    model |= {"constant": "normal_stress"} if strain == "shear_strain" else {}
+    document = {
+        "name": "mistaken",
+        "forward_model": model,
+        "parameters": {"E": {"lower": 1.0e3, "upper": 1.0e5}, "nu": {"value": 0.3}},
+        "observations": [{"series": series, "points": {"x": [0.005], "y": [10.0]}}],
+        "method": {"kind": "monte_carlo", "samples": 2},
+        "stopping": {"max_evaluations": 2},
+    }
+    with pytest.raises(ProblemError) as refused:
+        parse_problem(document)
+    found = [str(issue) for issue in refused.value.issues]
+    assert len(found) == len(messages)
+    assert all(message in one for message, one in zip(messages, found, strict=True)), found
+
+
 def test_a_void_ratio_that_falls_to_zero_is_a_failed_evaluation() -> None:
     spec = triaxial("elastic", [{"axial_strain": 0.4}], initial_void_ratio=0.1)
     with pytest.raises(

@@ -104,6 +104,7 @@ def test_a_law_has_its_page(law: Law) -> None:
     for name in (*(info.name for info in law.parameters), *(one.name for one in law.settings)):
         assert f"`{name}`" in page, name
     assert f"({law.kind.replace('_', '-')}.md)" in (PAGES / "README.md").read_text(encoding="utf-8")
+    assert "](../pictures/theory/" in page or "](../verification/figures/" in page
 
 
 def test_what_is_outside_its_limits_is_reported(law: Law) -> None:

@@ -17,7 +17,9 @@ from geoswarm.solver.identifiability.prediction.bands import BasinOutcome, Predi
 from geoswarm.solver.identifiability.stored.findings import Findings
 from geoswarm.solver.problem import parse_problem
 from geoswarm.solver.report.compared import compared_with
+from geoswarm.solver.report.curves import SeriesCurve
 from geoswarm.solver.report.figures.figure_set import FigureSet
+from geoswarm.solver.report.figures.fit_plot import fit_figure
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
 from geoswarm.solver.report.figures.matrix_plot import MatrixData, matrix_figure
 from geoswarm.solver.report.figures.progress_plots import convergence_figure
@@ -199,6 +201,17 @@ def test_fit_shows_measured_initial_identified_and_residuals(swarm: Run) -> None
     assert (upper.get_ylabel(), lower.get_ylabel()) == ("settlement [mm]", "residual [mm]")
     assert upper.yaxis_inverted()
     assert lower.yaxis_inverted()
+
+
+def test_stages_are_counted_in_whole_numbers() -> None:
+    x = np.arange(1.0, 8.0)
+    y = 1.0 / x
+    curve = SeriesCurve("stage_void_ratio", "stage", "void ratio", "", "", x, y, x, y, y, 0.0 * y, x_integer=True)
+    figure = fit_figure("clay", [curve])
+    figure.draw_without_rendering()
+    labels = [label.get_text() for label in figure.axes[1].get_xticklabels()]
+    assert labels
+    assert all(label == "" or label.isdigit() for label in labels)
 
 
 def test_stages_run_over_the_logarithm_of_time(swarm: Run) -> None:
