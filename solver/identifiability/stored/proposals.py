@@ -171,6 +171,8 @@ def propose(
     good_fits: Samples,
     projection: Projection,
     partners: tuple[tuple[str, float | None], ...],
+    *,
+    several: bool = False,
 ) -> tuple[Proposal, ...]:
     """Propose what to do about a parameter after its verdict.
 
@@ -180,6 +182,8 @@ def propose(
         Filtered samples.
     partners
         Parameters it is tied to, strongest first.
+    several
+        The data allow several separate values.
     """
     proposals: list[Proposal] = []
     fair = good_fits.select(good_fits.unbiased) if good_fits.source == "mixed" else good_fits
@@ -189,6 +193,9 @@ def propose(
         proposals += [_link(line) for line in lines if line is not None and line.can_be_written]
         proposals.append(_fix(parameter, projection, f"it cannot be distinguished from {partner}"))
         proposals.append(_add_test(parameter, f"in which {parameter} and {partner} act differently"))
+    elif verdict == "not_identified" and several:
+        proposals.append(_fix(parameter, projection, "the data allow several separate values"))
+        proposals.append(_add_test(parameter, f"that tells these values of {parameter} apart"))
     elif verdict == "not_identified":
         proposals.append(_fix(parameter, projection, "the data hardly depend on it"))
         proposals.append(_add_test(parameter, f"that {parameter} influences"))

@@ -273,7 +273,11 @@ def judge(
                 kind, code = "lack_of_fit" if fit.kind == "lack_of_fit" else "error_not_met", "misfit"
         reason, sentence = in_words(name, kind, code, evidence, linearisation, filtered.thin)
         ignored = code == "no_influence" and evidence.basis == "none"  # by the model: no value and no test mends that
-        proposals = () if ignored else propose(name, kind, filtered.samples, projection, evidence.partners)
+        proposals = (
+            ()
+            if ignored
+            else propose(name, kind, filtered.samples, projection, evidence.partners, several=code == "several")
+        )
         if (fit is not None and fit.kind in ("lack_of_fit", "gross_error")) or _at_bound(samples, projection):
             proposals = tuple(one for one in proposals if one.kind not in ("fix", "link"))
         verdicts.append(Verdict(name, kind, code, reason, sentence, evidence, proposals))
