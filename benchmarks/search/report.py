@@ -14,7 +14,10 @@ from benchmarks.search.methods import LIMIT, METHODS
 from benchmarks.search.problems import PROBLEMS
 
 LARGEST_RATIO = 100.0
-MEASURED = "until 22 November 2026 with the development version of 0.2.0"
+MEASURED = (
+    "geoswarm and DFO-LS on 28 November 2026 with the development version of 0.2.0 and seeds from 47000 on,\n"
+    "the textbook swarm and the other libraries until 22 November 2026 with seeds from 7000 on"
+)
 """When and with which version ``results.json`` was written; change it with that file."""
 
 
@@ -37,9 +40,10 @@ def table(known: dict[str, list[list[float]]]) -> str:
         "# Search benchmark",
         "",
         f"Forward runs and generations until the target is reached: median and 90th percentile, {LIMIT} runs at most,",
-        "unsolved ones count as more than that. Ten particles a generation; `least_squares` runs one after the other.",
+        "unsolved ones count as more than that. Ten particles a generation unless the method says how many run at",
+        "once; `least_squares` and DFO-LS (restarted from random points) run one after the other.",
         "Own time is the processor time that a method itself takes, a generation.",
-        f"Measured {MEASURED}; changes of the search after that are not included.",
+        f"Measured: {MEASURED}.",
         "Written by `python -m benchmarks.search.report`.",
         "",
         "| problem | method | seeds | runs, median | runs, 90 % | generations, median | 90 % | solved | own time, ms |",

@@ -80,9 +80,10 @@ def run_command(
 ) -> None:
     """Calibrate a problem and write figures and tables.
 
-    The number of workers affects the time, never the result. With --output, every forward run is stored as it
-    finishes: after Ctrl-C, a full disk or a crash, the same command with --resume continues to the same result. Exit
-    code 1 if no forward run succeeds.
+    If the problem gives a number of particles, the number of workers affects the time, never the result. With
+    'particles: auto', the default, each generation has as many runs as there are workers (at least ten if a run takes
+    milliseconds). With --output, every forward run is stored as it finishes: after Ctrl-C, a full disk or a crash, the
+    same command with --resume continues the run. Exit code 1 if no forward run succeeds.
     """
     from geoswarm.solver.plausibility import require_possible
     from geoswarm.solver.problem import load_problem

@@ -63,11 +63,14 @@ class OtherFit:
         return {"parameters": parameters, "objective": self.objective, "differs": list(self.differs)}
 
 
-def equivalent_objective(calibration: Calibration, best: float, noise: Noise | None) -> float:
+def equivalent_objective(
+    calibration: Calibration, best: float, noise: Noise | None, linearisation: Linearisation | None = None
+) -> float:
     """Objective up to which a fit cannot be distinguished from the best one at 95 % (Seber and Wild 2003, eq. 5.22).
 
     Without a known noise as for the filter; with one of variance s^2 by what f rises for chi^2_0.95(d), f being the
-    sum of squares over n: best + w s^2 chi^2 / n, where the residuals are no larger than this noise has them.
+    sum of squares over n: best + w s^2 chi^2 / n, where the residuals are no larger than this noise has them. With a
+    robust loss, outliers are a part of f that says nothing of the noise: best + w s^2 d F / n, s of pseudo residuals.
 
     Parameters
     ----------
@@ -75,11 +78,17 @@ def equivalent_objective(calibration: Calibration, best: float, noise: Noise | N
         The lowest objective known.
     noise
         When it is known.
+    linearisation
+        At the optimum, for losses.
     """
     observed = calibration.objective.observed
     dimension = calibration.space.dimension
     free = calibration.problem.counted_points - dimension
-    factor = 1.0 + dimension / free * float(fdtri(dimension, free, _LEVEL)) if free > 0 else 2.0
+    relative = dimension * float(fdtri(dimension, free, _LEVEL)) if free > 0 else np.nan
+    factor = 1.0 + relative / free if free > 0 else 2.0
+    if calibration.objective.robust and linearisation is not None and free > 0 and linearisation.noise is not None:
+        variances = linearisation.model.variances
+        return best + relative * float(variances.sum()) / max(int((variances > 0.0).sum()), 1)
     floor = _REPRODUCED * sum(o.weight * float((o.point_weights * o.y**2).mean()) for o in observed)
     base = max(best, floor)
     if noise is None:

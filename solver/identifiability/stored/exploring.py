@@ -108,7 +108,7 @@ def other_starts(
     looked
         Where descents have begun already: not again.
     """
-    limit = equivalent_objective(calibration, best, problem_noise(calibration.problem))
+    limit = equivalent_objective(calibration, best, problem_noise(calibration.problem), linearisation)
     unseen = Unseen.of(samples, linearisation, best, explored)
     left = unseen.unfinished(0.0, [samples.to_unit(place) for place in looked], height=_HEIGHT, made=True)
     heads = heads_elsewhere(samples, linearisation, limit, best)

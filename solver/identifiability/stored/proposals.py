@@ -171,7 +171,9 @@ def propose(
     good_fits: Samples,
     projection: Projection,
     partners: tuple[tuple[str, float | None], ...],
+    *,
     held: str | None = None,
+    several: bool = False,
 ) -> tuple[Proposal, ...]:
     """Propose what to do about a parameter after its verdict.
 
@@ -183,6 +185,8 @@ def propose(
         Parameters it is tied to, strongest first.
     held
         The bound, ``lower`` or ``upper``, that the minimum lies on and the data pull beyond.
+    several
+        The data allow several separate values.
     """
     proposals: list[Proposal] = []
     if held is not None:
@@ -194,6 +198,9 @@ def propose(
         proposals += [_link(line) for line in lines if line is not None and line.can_be_written]
         proposals.append(_fix(parameter, projection, f"it cannot be distinguished from {partner}"))
         proposals.append(_add_test(parameter, f"in which {parameter} and {partner} act differently"))
+    elif verdict == "not_identified" and several:
+        proposals.append(_fix(parameter, projection, "the data allow several separate values"))
+        proposals.append(_add_test(parameter, f"that tells these values of {parameter} apart"))
     elif verdict == "not_identified":
         proposals.append(_fix(parameter, projection, "the data hardly depend on it"))
         proposals.append(_add_test(parameter, f"that {parameter} influences"))

@@ -301,7 +301,7 @@ def analyse(
         warnings.insert(0, UNKNOWN_OPTIMUM if far is None else NOT_AT_OPTIMUM.format(far=far))
     basins = Basins()
     if linearisation is not None and not linearisation.misplaced:
-        equal = equivalent_objective(calibration, lowest, known)
+        equal = equivalent_objective(calibration, lowest, known, linearisation)
         every = (*elsewhere, *left)
         others = other_fits(samples, linearisation, equal, lowest, every)
         unseen = Unseen.of(samples, linearisation, lowest, elsewhere)

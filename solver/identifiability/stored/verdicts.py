@@ -274,8 +274,9 @@ def judge(
                 kind, code = "lack_of_fit" if fit.kind == "lack_of_fit" else "error_not_met", "misfit"
         reason, sentence = in_words(name, kind, code, evidence, linearisation, filtered.thin)
         ignored = code == "no_influence" and evidence.basis == "none"  # by the model: no value and no test mends that
-        asked = (filtered.samples, projection, evidence.partners, held.get(name))
-        proposals = () if ignored else propose(name, kind, *asked)
+        asked = (filtered.samples, projection, evidence.partners)
+        several = code == "several"
+        proposals = () if ignored else propose(name, kind, *asked, held=held.get(name), several=several)
         if (fit is not None and fit.kind in ("lack_of_fit", "gross_error")) or _at_bound(samples, projection):
             proposals = tuple(one for one in proposals if one.kind not in ("fix", "link"))
         verdicts.append(Verdict(name, kind, code, reason, sentence, evidence, proposals))

@@ -11,6 +11,7 @@ from geoswarm.solver.identifiability import Samples
 from geoswarm.solver.identifiability.noise import problem_noise
 from geoswarm.solver.identifiability.optimum.basins import equivalent_objective, exchangeable
 from geoswarm.solver.identifiability.optimum.hidden import Unseen, hidden_share
+from geoswarm.solver.identifiability.optimum.polish import polish
 from geoswarm.solver.report.document.build import report_of_result
 from geoswarm.solver.runs.local import calibrate
 from tests.solver.identifiability.cases import X, free, linearised, problem_of
@@ -26,6 +27,9 @@ def test_exchange_of_two_rates_is_reported(seed: int) -> None:
     assert statistics is not None
     assert {verdict.kind for verdict in statistics.verdicts} == {"not_identified"}
     assert "the data allow both" in statistics.verdict("a").sentence
+    assert [one.sentence for one in statistics.verdict("a").proposals][1] == (
+        "Add a test or a measured series that tells these values of a apart."
+    )
     assert any("a and b can be exchanged" in warning for warning in statistics.warnings)
 
 
@@ -72,6 +76,21 @@ def test_limit_with_and_without_a_known_noise() -> None:
     assert equivalent_objective(Calibration(stated, 1), 0.002, known) == pytest.approx(
         0.002 + 0.01 * chi2.ppf(0.95, 2) / 8.0
     )
+
+
+@pytest.mark.parametrize("loss", ["soft_l1", "huber", "cauchy"])
+def test_limit_with_a_loss_is_that_of_the_readings_without_outliers(loss: str) -> None:
+    y = 2.0 * X + 5.0 + 0.1 * np.random.default_rng(7).standard_normal(X.size)
+    y[[4, 13]] += 4.0
+    robust = {"series": "y", "points": {"x": X.tolist(), "y": y.tolist()}, "loss": loss, "error": 0.1}
+    problem = problem_of("a * x + b", {"a": free(), "b": free()}, y, observations=[robust])
+    calibration = Calibration(problem, 1)
+    best = polish(calibration, np.array([2.0, 5.0]))
+    assert best.evaluation.objective is not None
+    found = linearised(problem, best.parameters.tolist())
+    lowest = best.evaluation.objective
+    rise = equivalent_objective(calibration, lowest, problem_noise(problem), found) - lowest
+    assert 0.4 < rise / (0.01 * 2.0 * f.ppf(0.95, 2, X.size - 2) / X.size) < 2.0
 
 
 def test_share_where_a_basin_could_hide() -> None:

@@ -1,4 +1,8 @@
-"""Repeated experiments with a known truth: how often the band of a prediction holds it."""
+"""Repeated experiments with a known truth: how often the band of a prediction holds it.
+
+Errors are independent, and the problem says so: else so few readings widen the band for a correlation that they cannot
+exclude.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +22,7 @@ from geoswarm.solver.identifiability.prediction.question import predict_problem
 from geoswarm.solver.identifiability.stored.findings import findings_of
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.runs.local import calibrate
-from tests.solver.identifiability.cases import free, linearised, problem_of
+from tests.solver.identifiability.cases import WHITE, free, linearised, problem_of
 
 __all__ = ["CASES", "Case", "coverage", "predicted"]
 
@@ -128,9 +132,8 @@ def coverage(case: Case, repeats: int, *, runs: int = 100, level: float = 0.9, s
         )
         points = {"x": case.x.tolist(), "y": y.tolist()}
         error = {"error": case.sigma} if case.known else {}
-        problem = problem_of(
-            case.expression, case.parameters, y, case.x, observations=[{"series": "y", "points": points, **error}]
-        )
+        observed = [{"series": "y", "points": points, **error}]
+        problem = problem_of(case.expression, case.parameters, y, case.x, observations=observed, noise=WHITE)
         found = predicted(problem, fit.x, case, runs, level, number)["s"]
         held += (found.lower <= wanted) & (wanted <= found.upper)
     return np.asarray(held / repeats)
