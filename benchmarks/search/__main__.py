@@ -36,7 +36,8 @@ def main(seeds: int, methods: tuple[str, ...], unseen: bool, problems: tuple[str
             with threadpool_limits(limits=1):
                 outcomes = [METHODS[method](task, FIRST_SEED + seed) for seed in range(seeds)]
             known[key] = [[o.solved, o.evaluations, o.generations, o.overhead] for o in outcomes]
-            results.write_text(json.dumps(known, indent=0))
+            lines = (f"{json.dumps(name)}: {json.dumps(runs)}" for name, runs in known.items())
+            results.write_text("{\n" + ",\n".join(lines) + "\n}\n")
             print(f"{problem:20s} {method:15s} {summary(outcomes)}", flush=True)
 
 

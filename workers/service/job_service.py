@@ -51,7 +51,7 @@ from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import CancelRequested, PauseRequested, Request, ResumeRequested
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import clean_text, pack_json, unpack_json
-from geoswarm.workers.store.problems import problem_of, unpack_problem
+from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.waker import Waker
 
 if TYPE_CHECKING:
@@ -223,32 +223,6 @@ class JobService(JobRecords):
     def get(self, job_id: str) -> Job:
         """Return one job."""
         return self.store.read(lambda connection: self._get(connection, job_id))
-
-    def problem(self, job_id: str) -> dict[str, Any]:
-        """Return the canonical problem document of a job."""
-
-        return unpack_problem(*self._stored_problem(job_id))
-
-    def parsed_problem(self, job_id: str) -> Problem:
-        """Return the problem of a job.
-
-        Raises
-        ------
-        JobNotFoundError
-        ProblemError
-            When this version cannot read it any more.
-        """
-        return problem_of(*self._stored_problem(job_id))
-
-    def _stored_problem(self, job_id: str) -> tuple[str, str | None]:
-        """Its document, and its stop criteria where they were changed, as they are stored."""
-
-        def work(connection: Connection) -> Any:
-            self._row(connection, job_id)
-            return jobs.get_problem(connection, job_id)
-
-        row = self.store.read(work)
-        return row.problem, row.stopping
 
     def list(
         self, filters: JobFilters | None = None, *, limit: int = 50, cursor: str | None = None, trend: int = 0

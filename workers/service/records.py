@@ -17,6 +17,7 @@ from geoswarm.records.progress import Progress
 from geoswarm.records.record import Page
 from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES
 from geoswarm.solver.calibration import search_space
+from geoswarm.solver.problem import Problem
 from geoswarm.solver.search.space import diversity
 from geoswarm.workers.errors import EvaluationNotFoundError
 from geoswarm.workers.queries import jobs
@@ -29,7 +30,7 @@ from geoswarm.workers.queries.views import attempt_views, evaluation_view, event
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import unpack_array
-from geoswarm.workers.store.problems import problem_of
+from geoswarm.workers.store.problems import problem_of, unpack_problem
 from geoswarm.workers.store.tables import evaluations
 
 __all__ = ["JobRecords", "clip", "diversities"]
@@ -64,6 +65,32 @@ class JobRecords(ABC):
     @abstractmethod
     def _frame(self, connection: Connection, job_id: str) -> tuple[list[str], dict[str, list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
+
+    def problem(self, job_id: str) -> dict[str, Any]:
+        """Return the canonical problem document of a job."""
+
+        return unpack_problem(*self._stored_problem(job_id))
+
+    def parsed_problem(self, job_id: str) -> Problem:
+        """Return the problem of a job.
+
+        Raises
+        ------
+        JobNotFoundError
+        ProblemError
+            When this version cannot read it any more.
+        """
+        return problem_of(*self._stored_problem(job_id))
+
+    def _stored_problem(self, job_id: str) -> tuple[str, str | None]:
+        """Its document, and its stop criteria where they were changed, as they are stored."""
+
+        def work(connection: Connection) -> Any:
+            self._row(connection, job_id)
+            return get_problem(connection, job_id)
+
+        row = self.store.read(work)
+        return row.problem, row.stopping
 
     def attempts(self, job_id: str, generation: int, particle: int) -> list[Attempt]:
         """Return the attempts at one evaluation, the current or counted one last; empty if there is no such
