@@ -81,7 +81,7 @@ class Sheared:
 
 
 def sheared_specimen(problem: Problem, part: ModelPart) -> Sheared:
-    """What was read of a specimen.
+    """What was read of a specimen; a single reading of q is that at failure.
 
     Raises
     ------
@@ -99,8 +99,8 @@ def sheared_specimen(problem: Problem, part: ModelPart) -> Sheared:
         raise NoEvaluationError("q over the axial strain was not read")
     axial, radial = _consolidated(spec)
     strain, q = rising(q_of)
-    if strain.size < 3 or not q.max() > max(0.0, -q.min()):
-        raise NoEvaluationError("q has fewer than 3 readings, or is that of extension; compression is evaluated")
+    if strain.size == 2 or not q.max() > max(0.0, -q.min()):
+        raise NoEvaluationError("q has two readings only, or is that of extension; compression is evaluated")
     drained = not spec.is_undrained(first)
     minor = {
         "radial_stress": np.full(q.size, radial),
@@ -123,7 +123,7 @@ def sheared_specimen(problem: Problem, part: ModelPart) -> Sheared:
         _secant(strain, q, axial - radial),
         _dilatancy(series, strain, q) if drained else None,
         _volume_at(series, float(strain[at])) if drained else None,
-        _is_settled(series, strain[good], minor[good] + q[good] / 3.0, q[good]),
+        strain.size > 1 and _is_settled(series, strain[good], minor[good] + q[good] / 3.0, q[good]),
         spec.initial_void_ratio,
     )
 

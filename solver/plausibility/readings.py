@@ -114,6 +114,7 @@ def doubtful_readings(problem: Problem) -> Iterator[Doubt]:
             yield from _of_any_law(f"observations[{index}]", one, infos[one.series], spec)
             yield from _begins_anew(f"observations[{index}]", one, infos[one.series])
             yield from _ends_early(f"observations[{index}]", one, infos[one.series], spec)
+            yield from _no_modulus(f"observations[{index}]", one, infos[one.series])
             if name == "pore_pressure" and not isinstance(spec, FlowSpec):
                 yield from _back_pressure(f"observations[{index}]", one, section, getattr(spec, "back_pressure", 0.0))
 
@@ -280,6 +281,16 @@ def _begins_anew(place: str, observation: Observation, info: SeriesInfo) -> Iter
     before, now = (f"{value:.4g}" for value in convert(x[first - 1 : first + 1], info.x_unit or "1", unit))
     seen = f"{info.x_quantity} restarts at point {first + 1}, {with_unit(float(now), unit)} after {before}"
     remedy = (", as where two tests stand in one table; ", setting(f"{place}.where"), " or the cells choose one")
+    yield Doubt(observation.series, place, "", seen, remedy, True)
+
+
+def _no_modulus(place: str, observation: Observation, info: SeriesInfo) -> Iterator[Doubt]:
+    """Secant moduli at strain 0, where there is none."""
+    at = np.flatnonzero(observation.x == 0.0)
+    if not info.y_quantity.endswith("modulus") or not at.size:
+        return
+    seen = f"{info.y_quantity} at {info.x_quantity} 0 (point {at[0] + 1}), where it would be no stress over no strain"
+    remedy = ("; leave the reading out, as ", setting(f"{place}.x_from"), " above 0 does if it is the first")
     yield Doubt(observation.series, place, "", seen, remedy, True)
 
 

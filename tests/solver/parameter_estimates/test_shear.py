@@ -54,7 +54,8 @@ def problem(parts: dict[str, Any], readings: dict[str, np.ndarray], **more: Any)
                 **more,
             },
             "observations": [
-                {"series": series, "points": {"x": STRAIN.tolist(), "y": y.tolist()}} for series, y in readings.items()
+                {"series": series, "points": {"x": STRAIN[-y.size :].tolist(), "y": y.tolist()}}
+                for series, y in readings.items()
             ],
             "stopping": {"max_evaluations": 10},
         }
@@ -85,6 +86,18 @@ def test_drained_tests_give_mohr_circles_moduli_their_power_and_dilatancy() -> N
     assert [(arc.smallest, arc.largest) for arc in drawn[0].arcs] == [
         pytest.approx((radial, radial + strength(radial))) for radial in radii.values()
     ]
+
+
+def test_single_readings_are_those_of_failure() -> None:
+    """As files of laboratories hold them, which show no curve, stiffness or critical state."""
+    radii = {"a": 50.0, "b": 100.0, "c": 200.0}
+    readings = {f"{name}.q": np.array([strength(radial)]) for name, radial in radii.items()}
+    found = by_symbol(classical_values(problem({name: part(radial) for name, radial in radii.items()}, readings)))
+    assert found == {
+        ("", "φ"): pytest.approx(PHI, rel=1e-6),
+        ("", "c"): pytest.approx(C, rel=1e-5),
+        ("", "φ_cs"): None,
+    }
 
 
 def test_the_critical_angle_is_read_from_specimens_whose_state_changes_no_more() -> None:

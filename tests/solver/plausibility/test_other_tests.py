@@ -132,6 +132,13 @@ def test_slips_that_a_soil_could_have_are_named(x: list[float], y: list[float], 
     assert impossible(problem) == []
 
 
+@pytest.mark.parametrize(("x", "said"), [([0.0, 0.01, 0.05], "where it would be no stress over no strain"), (X, "")])
+def test_a_secant_modulus_at_strain_0_is_refused(x: list[float], said: str) -> None:
+    problem = sheared("triaxial", series="secant_modulus", points={"x": x, "y": [9000, 8000, 4000]})
+    assert said in "".join(issue.message for issue in impossible(problem))
+    assert bool(impossible(problem)) == bool(said)
+
+
 @pytest.mark.parametrize(
     ("strains", "anew"),
     [
