@@ -81,9 +81,9 @@ _ROUGH: Final = 100.0
 
 Soils = tuple[IntArray, FloatArray]
 """Addresses of the stress updates (j,), and constants (j, c)."""
-Ground = tuple[FloatArray, int, bool, bool, float, float]
-"""What water meets (7, j), how the top is led, whether the base is drained, whether strain is logarithmic, what may
-be left of a balance, as a part of the height, and the correction of strains up to which tangents give the new stresses.
+Ground = tuple[FloatArray, int, bool, bool, float]
+"""What water meets (7, j), how the top is led, whether the base is drained, whether strain is logarithmic, and what may
+be left of a balance, as a part of the height.
 
 Rows: part of the height; k_0/(gamma_w H d) in 1/(kPa day), d being the way from the point to the next part; growth of
 ln k with the relative length; effective stress before the first step, kPa; fall of the level for a unit of lost
@@ -91,8 +91,8 @@ length, kPa (buoyancy); what drains take, 1/(kPa day), and the share of their ow
 """
 States = tuple[FloatArray, FloatArray, FloatArray]
 """Stress (j, n), strain (j,), state variables (j, s) of the points."""
-Room = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-"""Memory: (WORK_ROWS, j), (n,), (n, n), and derivatives of the stress by the strain of the points, (j, n)."""
+Room = tuple[FloatArray, FloatArray, FloatArray]
+"""Memory: (WORK_ROWS, j), (n,), (n, n)."""
 
 
 @kernel
@@ -127,9 +127,9 @@ def _residual(
 
     inf: a law failed. ``target`` is the settlement of this substep, the stress at the top, or the change of the load.
     """
-    work, step, tangent, by_strain = room
+    work, step, tangent = room
     rest, tried, stiff, mobile, slope, length, excess = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
-    data, lead, open_base, large, precision, _ = ground
+    data, lead, open_base, large, precision = ground
     last = tried.shape[0] - 1
     level = target if lead == BY_LOAD else 0.0
     for j in range(last + 1):
@@ -141,8 +141,6 @@ def _residual(
             return math.inf
         statuses[j] = status
         stiff[j] = tangent[1, 1]
-        for i in range(step.shape[0]):
-            by_strain[j, i] = tangent[i, 1]
         length[j] = _length(old[1][j] + tried[j], large)
         mobile[j] = math.exp(data[GROWTH, j] * (length[j] - 1.0))
         slope[j] = -data[GROWTH, j] * mobile[j]
@@ -201,7 +199,7 @@ def _correct(target: float, dt: float, ground: Ground, room: Room) -> bool:
     work = room[0]
     rest, stiff, mobile, slope, length, excess = work[0], work[2], work[3], work[4], work[5], work[6]
     lower, diagonal, upper, lifted = work[7], work[8], work[9], work[10]
-    data, lead, open_base, large, _, _ = ground
+    data, lead, open_base, large, _ = ground
     last = rest.shape[0] - 1
     lifts = False
     for j in range(last + 1):
@@ -279,10 +277,9 @@ def substep(
 ) -> bool:
     """One implicit step of ``dt`` days, from the strain increments guessed in ``piece`` (j,), which are replaced.
 
-    Whether it was found; ``target`` is a settlement in all. A last small correction is put on the stresses by the
-    tangents, as its square is below what may be left: the laws are not called again, and state variables stay.
+    Whether it was found; ``target`` is a settlement in all.
     """
-    work, by_strain = room[0], room[3]
+    work = room[0]
     rest, tried, way = work[0], work[1], work[11]
     count = piece.shape[0]
     log_time = math.log(dt)
@@ -305,17 +302,9 @@ def substep(
             break
         if not _correct(goal, dt, ground, room):
             return False
-        step, accepted, largest = 1.0, False, 0.0
+        step, accepted = 1.0, False
         for j in range(count):
             way[j] = rest[j]
-            largest = max(largest, abs(way[j]))
-        if largest <= ground[5]:
-            for j in range(count):
-                piece[j] += way[j]
-                for i in range(new[0].shape[1]):
-                    new[0][j, i] += by_strain[j, i] * way[j]
-            worst = 0.0
-            break
         for _ in range(_HALVINGS):
             for j in range(count):
                 tried[j] = piece[j] + step * way[j]

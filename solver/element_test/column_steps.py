@@ -27,8 +27,6 @@ __all__ = ["lead_column"]
 
 _MOST_TRIES: Final = 100_000
 _SMALLEST_STEP: Final = 1.0e-15
-_TREND: Final = 1.3
-"""Growth of a step, at most, for errors that have been falling from step to step, as they do while water drains."""
 
 Weights = tuple[FloatArray, float, FloatArray]
 """What turns errors of stress (j,), strain and state variables (j, s) into strain over the tolerance; of flags and
@@ -132,16 +130,14 @@ def _expect(
         first, second = 2.0 * (strains[1, j] - strain[j]), 2.0 * (strains[2, j] - strains[1, j])
         if rate == 0.0:
             begin = 2.0 * first - second
-        # Errors of implicit steps halve from way to way, and begin at zero.
-        less = 0.25 * (strains[2, j] - strains[0, j])
         if k == 0:
             piece[j] = 0.25 * (0.375 * begin + 0.75 * first - 0.125 * second)
         elif k == 1:
-            piece[j] = strains[1, j] + less - strains[3, j]
+            piece[j] = 0.25 * first
         elif k == 2:
             piece[j] = 0.25 * (-0.125 * begin + 0.75 * first + 0.375 * second)
         else:
-            piece[j] = strains[2, j] + 2.0 * less - strains[5, j]
+            piece[j] = 0.25 * second
 
 
 @kernel
@@ -193,10 +189,9 @@ def lead_column(
     found = (stresses, strains, states, statuses)
     end = (np.empty((count, n)), np.empty(count), np.empty((count, s)))
     middle = (np.empty((count, n)), np.empty(count))
-    room = (np.empty((WORK_ROWS, count)), np.zeros(n), np.empty((n, n)), np.empty((count, n)))
+    room = (np.empty((WORK_ROWS, count)), np.zeros(n), np.empty((n, n)))
     piece, seen, row_of = np.empty(count), np.empty((7, watch[1].shape[0])), np.empty(PROFILE * count)
     tries, steps = 0, 0
-    error_before, size_before = 0.0, 0.0
     while place < 1.0:
         if steps == places.shape[0]:
             return steps, PAUSED, length
@@ -239,12 +234,7 @@ def lead_column(
             factor = min(GROWTH, max(0.1, 0.9 * error ** (-1.0 / 3.0)))
         if not error <= 1.0:
             length = size * min(factor, 0.9) if error < math.inf else 0.25 * size
-            size_before = 0.0
             continue
-        if size_before > 0.0 and error > 0.0:
-            trend = (error_before / error) ** (1.0 / 3.0) * size / size_before
-            factor = min(GROWTH, factor * min(_TREND, max(1.0, trend)))
-        error_before, size_before = error, size
         for j in range(count):
             guess[0, j] = 4.0 * (strains[6, j] - strains[5, j]) / size
             guess[1, j] = _slowing(guess[0, j], 4.0 * (strains[4, j] - strains[3, j]) / size, 0.5 * size)

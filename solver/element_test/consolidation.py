@@ -40,8 +40,6 @@ _FIRST_AFTER: Final = 2.0e-3
 _LEFT: Final = 1.0e-5
 """What Newton's method may leave of a balance of water, over the tolerance."""
 _LEAST_LEFT: Final = 1.0e-13
-_SMALL: Final = 5.0e-3
-"""Last correction of Newton's method, over the tolerance, after which the laws are not called again."""
 
 
 @dataclass(frozen=True)
@@ -224,7 +222,7 @@ def follow_movement(
             movement.duration,
             now,
             length,
-            (ground.rows, movement.lead, ground.open_base, ground.large, precision, _SMALL * tolerance),
+            (ground.rows, movement.lead, ground.open_base, ground.large, precision),
             (column.stress, column.strain, column.internal),
             column.laws,
             guess,

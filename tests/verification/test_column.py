@@ -265,10 +265,3 @@ def test_the_error_in_time_is_of_the_size_of_the_tolerance() -> None:
         one = found(tolerance)
         assert np.abs(one[0] - settlement).max() < tolerance * 10.0
         assert np.abs(one[1] - pore).max() < 3.0e3 * tolerance
-
-
-def test_steps_grow_as_fast_as_the_errors_of_the_last_ones_fell() -> None:
-    values = {f"clay.{name}": value for name, value in CLAY.items()}
-    values |= {"clay.e0": 1.6, "clay.k": 5.0e-5, "clay.C_k": 0.8, "crust.E": 5.0e3, "crust.nu": 0.3, "crust.k": 1.0e-3}
-    trace = embankment("modified_cam_clay", cells=20).build().calculate(values)
-    assert sum(len(path.places) for path in trace.paths) < 68

@@ -136,8 +136,8 @@ def test_a_soil_without_voids_is_a_failed_evaluation() -> None:
 
 def test_a_specimen_that_is_pulled_apart_has_no_stress_left() -> None:
     """Modified Cam clay swells along its lines for ever."""
-    spec = crs_oedometer("modified_cam_clay", [{"axial_strain": -0.5, "rate": 1.0}])
-    (stress,) = run(spec, CLAY | {"C_k": 0.0, "k": 1.0}, [-0.5], "axial_stress")
+    spec = crs_oedometer("modified_cam_clay", [{"axial_strain": -0.4, "rate": 1.0}])
+    (stress,) = run(spec, CLAY | {"C_k": 0.0, "k": 1.0}, [-0.4], "axial_stress")
     assert stress == pytest.approx([0.0], abs=0.1)
 
 
