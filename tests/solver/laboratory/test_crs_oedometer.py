@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.registry import BUILT_IN, find_law
+from geoswarm.solver.problem import load_problem
 from geoswarm.verification.specimens.laboratory import CREEP, ELASTIC, crs_oedometer, run
+from tests.contracts.repository import ROOT
 from tests.solver.laws.checks import usual_values
 
 CLAY = {"M": 1.0, "lambda": 0.2, "kappa": 0.04, "nu": 0.25, "e0": 1.0, "k": 1.0e-5, "C_k": 0.5}
@@ -153,3 +156,18 @@ def test_creep_goes_on_under_the_stress_that_is_held() -> None:
     # mu* for each e-fold of time, at a K0 that hardly changes
     assert np.diff(strain) == pytest.approx(np.full(2, CREEP["mu_star"] * np.log(10.0)), rel=0.1)
     assert abs(pore[2]) < 0.05 * abs(pore[0])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"lambda_star": 0.10887, "kappa_star": 0.017844, "POP": 54.127, "k": 2.7428e-5, "C_k": 0.50132},
+        {"lambda_star": 0.10605, "kappa_star": 0.019217, "POP": 48.887, "k": 1.7546e-5, "C_k": 0.32175},
+        {"lambda_star": 0.10240, "kappa_star": 0.023146, "POP": 36.905, "k": 1.5234e-5, "C_k": 0.81138},
+    ],
+)
+def test_the_turn_to_unloading_has_a_solution_near_the_optimum_of_the_example(values: dict[str, float]) -> None:
+    """Steps that grew as fast as errors fell before the turn found none in these."""
+    problem = load_problem(ROOT / "examples" / "crs_oedometer" / "problem.yaml")
+    found = Calibration(problem, 1).evaluate_values(problem.values([values[name] for name in problem.free_names]))
+    assert found.reason is None, found.message
