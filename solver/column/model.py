@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from geoswarm.solver.laws.initial_state import (
     incomplete,
     knows_voids,
     settled,
+    soil_of,
     void_ratio_parameters,
     voids_column,
 )
@@ -303,14 +304,10 @@ class ColumnModel:
 
     def _soil(self, name: str, parameters: Mapping[str, float]) -> Soil:
         section = self.spec.soils[name]
-        known = settled(self._of_law(name))
         own = {info.name for info in section.law.parameters}
-        given: dict[str, Any] = {info.name: info.default for info in known}
-        given |= {key: value for key, value in self._own(name, parameters).items() if key in own}
-        if (fault := outside_limits(known, given)) is not None:
-            raise InfeasibleError(f"{name}: {fault}")
+        given = {key: value for key, value in self._own(name, parameters).items() if key in own}
         try:
-            return section.law.soil({**given, **section.settings})
+            return soil_of(section.law, self._of_law(name), given, section.settings)
         except InfeasibleError as error:
             raise InfeasibleError(f"{name}: {error}") from None
 

@@ -27,6 +27,7 @@ from geoswarm.solver.laws.initial_state import (
     incomplete,
     knows_voids,
     settled,
+    soil_of,
     void_ratio_parameters,
     voids_column,
 )
@@ -115,10 +116,7 @@ class LaboratoryModel(ABC):
         InfeasibleError
             A value is outside what the law admits.
         """
-        known = settled(self.law_parameters)
-        if (fault := outside_limits(known, parameters)) is not None:
-            raise InfeasibleError(fault)
-        return self.law.soil({info.name: info.default for info in known} | dict(parameters) | self.spec.settings)
+        return soil_of(self.law, self.law_parameters, parameters, self.spec.settings)
 
     def check(self, parameters: Mapping[str, float]) -> str | None:
         """What is inadmissible about the soil parameters given, or None."""

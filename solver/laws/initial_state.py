@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
+from typing import Any
 
 from geoswarm.solver.errors import InfeasibleError
 from geoswarm.solver.laws.base import Law, Soil
-from geoswarm.solver.parameter_info import ParameterInfo
+from geoswarm.solver.parameter_info import ParameterInfo, outside_limits
 
 __all__ = [
     "horizontal_limits",
@@ -16,6 +17,7 @@ __all__ = [
     "incomplete",
     "knows_voids",
     "settled",
+    "soil_of",
     "void_ratio_parameters",
     "voids_column",
 ]
@@ -71,6 +73,22 @@ def incomplete(law: Law, infos: tuple[ParameterInfo, ...], declared: Collection[
 def settled(infos: tuple[ParameterInfo, ...]) -> list[ParameterInfo]:
     """Those whose value the section gives."""
     return [info for info in infos if info.set_by]
+
+
+def soil_of(
+    law: Law, infos: tuple[ParameterInfo, ...], parameters: Mapping[str, float], settings: Mapping[str, Any]
+) -> Soil:
+    """Return the soil of a law whose parameters, ``infos``, a section may settle.
+
+    Raises
+    ------
+    InfeasibleError
+        A value is outside what the law or the section admits.
+    """
+    known = settled(infos)
+    if (fault := outside_limits(known, parameters)) is not None:
+        raise InfeasibleError(fault)
+    return law.soil({info.name: info.default for info in known} | dict(parameters) | dict(settings))
 
 
 def horizontal_limits(vertical: float, soil: Soil) -> tuple[float, float]:

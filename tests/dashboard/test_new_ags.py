@@ -13,7 +13,6 @@ from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.layout import check_layout
 from tests.solver.ags.synthetic import compression, content, group, groups, keyed
-from tests.variants import variants
 
 Visit = Callable[..., Opened]
 
@@ -160,18 +159,15 @@ def test_a_file_without_a_usable_test_says_so(embedded: Site, visit: Visit) -> N
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("data", "message"),
-    variants(
-        [
-            (
-                b'"**PROJ"\r\n"*PROJ_ID"\r\n',
-                "is AGS 3; AGS 4 is accepted. Ask for the data as AGS 4, or convert the file",
-            ),
-            (b'"GROUP","CONG"\r\n"HEADING","A"\r\n"DATA","1","2"\r\n', "line 3: group CONG: 2 cells of DATA under 1"),
-            (content(CONG=""), "group CONS needs the group CONG, which is missing"),
-            (b"\x89PNG\r\n\0\0", "broken.ags is not a text file; give a file in the AGS 4 format"),
-        ],
-        {content(CONG="")},
-    ),
+    [
+        (
+            b'"**PROJ"\r\n"*PROJ_ID"\r\n',
+            "is AGS 3; AGS 4 is accepted. Ask for the data as AGS 4, or convert the file",
+        ),
+        (b'"GROUP","CONG"\r\n"HEADING","A"\r\n"DATA","1","2"\r\n', "line 3: group CONG: 2 cells of DATA under 1"),
+        (content(CONG=""), "group CONS needs the group CONG, which is missing"),
+        (b"\x89PNG\r\n\0\0", "broken.ags is not a text file; give a file in the AGS 4 format"),
+    ],
 )
 def test_a_broken_file_is_explained(embedded: Site, visit: Visit, data: bytes, message: str) -> None:
     page, guard = visit(embedded, "/new?example=oedometer")

@@ -68,7 +68,6 @@ class JobRecords(ABC):
 
     def problem(self, job_id: str) -> dict[str, Any]:
         """Return the canonical problem document of a job."""
-
         return unpack_problem(*self._stored_problem(job_id))
 
     def parsed_problem(self, job_id: str) -> Problem:

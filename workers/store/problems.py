@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import threading
 from typing import Any
@@ -13,9 +14,10 @@ from geoswarm.solver.problem import Problem, parse_problem
 
 __all__ = ["problem_of", "unpack_problem"]
 
-KEPT = 16
+KEPT_LETTERS = 2**25
+"""Of all documents whose problems are kept."""
 
-_kept: LRUCache[tuple[str, str | None], Problem] = LRUCache(KEPT)
+_kept: LRUCache[bytes, tuple[Problem, int]] = LRUCache(KEPT_LETTERS, getsizeof=lambda kept: kept[1])
 _lock = threading.Lock()
 
 
@@ -46,12 +48,13 @@ def problem_of(text: str, stopping: str | None = None) -> Problem:
     ProblemError
         When this version cannot read it any more.
     """
-    key = text, stopping
+    key = hashlib.sha256(f"{text}\n{stopping}".encode()).digest()
     with _lock:
         if key in _kept:
-            return _kept[key]
+            return _kept[key][0]
     problem = parse_problem(unpack_problem(text, stopping))
-    if {part.kind for part in problem.forward_model.by_part().values()} <= BUILT_IN.keys() - {"registered"}:
+    lasting = {part.kind for part in problem.forward_model.by_part().values()} <= BUILT_IN.keys() - {"registered"}
+    if lasting and len(text) <= KEPT_LETTERS:
         with _lock:
-            _kept[key] = problem
+            _kept[key] = problem, len(text)
     return problem

@@ -58,26 +58,9 @@ export function timeline(view) {
         ? element(
             "p",
             { class: "buttons" },
-            element(
-              "button",
-              { type: "button", class: "quiet", disabled: !begin, onclick: () => look(parts.slice(0, 1)) },
-              "First",
-            ),
-            element(
-              "button",
-              { type: "button", class: "quiet", disabled: !begin, onclick: () => look(parts.slice(0, -1)) },
-              "Earlier",
-            ),
-            element(
-              "button",
-              {
-                type: "button",
-                class: "quiet",
-                disabled: !more,
-                onclick: () => look([...parts, { cursor: more, begin: begin + items.length }]),
-              },
-              "Later",
-            ),
+            turn("First", !begin, parts.slice(0, 1)),
+            turn("Earlier", !begin, parts.slice(0, -1)),
+            turn("Later", !more, [...parts, { cursor: more, begin: begin + items.length }]),
           )
         : null,
       element(
@@ -105,6 +88,9 @@ export function timeline(view) {
       ),
     );
   }
+  const turn = (words, disabled, chosen) =>
+    element("button", { type: "button", class: "quiet", disabled, onclick: () => look(chosen) }, words);
+
   const draw = paced(show, INTERVAL, place);
 
   /** Look at another part of the history. */
