@@ -60,13 +60,13 @@ def test_teardown(broken):
     [
         ([RIGHT], True, None),
         ([RIGHT, UNLUCKY], True, "test_unlucky"),
-        ([RIGHT, TIMED], True, None),
+        pytest.param([RIGHT, TIMED], True, None, marks=pytest.mark.slow),
         ([RIGHT, TIMED_BROKEN], False, None),
-        ([RIGHT, UNLUCKY, BROKEN], False, None),
+        pytest.param([RIGHT, UNLUCKY, BROKEN], False, None, marks=pytest.mark.slow),
         ([RIGHT, ELEVEN], False, None),
-        ([IN_TEARDOWN], False, None),
-        (["import nothing_of_this_name"], False, None),
-        ([], False, None),
+        pytest.param([IN_TEARDOWN], False, None, marks=pytest.mark.slow),
+        pytest.param(["import nothing_of_this_name"], False, None, marks=pytest.mark.slow),
+        pytest.param([], False, None, marks=pytest.mark.slow),
     ],
     ids=[
         "right",

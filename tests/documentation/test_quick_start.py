@@ -67,6 +67,7 @@ def test_the_verdicts_of_the_readme_are_those_of_the_example(reader: tuple[Reade
 FOUND = r"^[234]\.\d+e-09 \{'lambda_star': 0\.08"
 
 
+@pytest.mark.slow  # the one below runs by default
 def test_its_python_runs_with_the_service(reader: tuple[Reader, str], tmp_path: Path) -> None:
     (tmp_path / "oedometer").symlink_to(reader[0].folder / "oedometer")
     text = block(QUICK_START, "from geoswarm import Client").text

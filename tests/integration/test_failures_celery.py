@@ -29,6 +29,7 @@ def running(settings: Settings, processes: int) -> Iterator[JobService]:
         yield engine.service
 
 
+@pytest.mark.slow  # the embedded service has the same evaluation processes
 def test_bad_runs_end_within_their_limits_and_leave_nothing(settings: Settings, tmp_path: Path) -> None:
     asked = {
         "for_ever": ({"seconds_per_evaluation": LIMIT}, "timeout"),

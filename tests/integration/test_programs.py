@@ -81,6 +81,7 @@ def test_histories_are_the_same_everywhere(
                 assert found(engine.service, job.id) == told
 
 
+@pytest.mark.slow
 def test_what_a_function_prints_and_raises_is_told_without_folders(zoo_models: Path, tmp_path: Path) -> None:
     source = "import sys\ndef f(slope):\n    print(__file__, file=sys.stderr)\n    return open(__file__ + '.csv')\n"
     (zoo_models / "good" / "model.py").write_text(source)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from scipy.optimize import least_squares
 
 from geoswarm.solver.arrays import FloatArray
@@ -53,6 +54,7 @@ def triaxial_tests(readings: dict[str, FloatArray]) -> Problem:
     )
 
 
+@pytest.mark.slow
 def test_triaxial_tests_give_their_parameters_intervals() -> None:
     random = np.random.default_rng(1)
     names = [f"cell_{stress}.{quantity}" for stress in CELLS for quantity in ERRORS]

@@ -61,7 +61,9 @@ def serve_in_any_order(
 
 @pytest.mark.parametrize("stopping", [{"max_evaluations": 42}, {"max_evaluations": 200, "stagnation_generations": 4}])
 @pytest.mark.parametrize(
-    ("database_url", "order"), [("sqlite", 1), ("sqlite", 2), ("postgresql", 1)], indirect=["database_url"]
+    ("database_url", "order"),
+    [("sqlite", 1), pytest.param("sqlite", 2, marks=pytest.mark.slow), ("postgresql", 1)],
+    indirect=["database_url"],
 )
 def test_two_generations_are_out_and_any_order_gives_the_history_of_a_run_in_process(
     store: Store, settings: Settings, service: JobService, stopping: dict[str, int], order: int

@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 
 from geoswarm.solver.constitutive.soft_soil_creep.physics import friction_constant, soft_soil_creep
 from geoswarm.solver.element_test.constant_load import FINISHED, constant_load_history
+from tests.variants import variants
 
 NU, DURATION = 0.15, 1.0
 
@@ -82,7 +83,7 @@ def strain_by_creep(case: Case, mu: float) -> float:
 
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("mu", [1.0e-3, 1.0e-5, 1.0e-6])
-@pytest.mark.parametrize("tolerance", [1.0e-5, 1.0e-7])
+@pytest.mark.parametrize("tolerance", variants([1.0e-5, 1.0e-7], {1.0e-7}))
 def test_the_strain_after_a_stage_meets_the_tolerance(name: str, mu: float, tolerance: float) -> None:
     case = CASES[name]
     soil = soft_soil_creep(case.stiffness, case.swelling, mu, case.cohesion, case.phi, nu_ur=NU)

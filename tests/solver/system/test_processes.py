@@ -80,6 +80,7 @@ def test_children_grandchildren_and_no_zombies(monkeypatch: pytest.MonkeyPatch) 
     assert (memory_below(started.pid), memory_of(started.pid)) == (0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_children_are_seen_while_threads_come_and_go() -> None:
     with subprocess.Popen([sys.executable, "-c", CHURN], stdout=subprocess.PIPE, start_new_session=True) as started:
         try:
