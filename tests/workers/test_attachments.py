@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import os
@@ -10,7 +11,7 @@ import threading
 import tracemalloc
 import zipfile
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -27,11 +28,13 @@ from geoswarm.workers.errors import (
     StoreUnavailableError,
 )
 from geoswarm.workers.operations.retention import delete_job
+from geoswarm.workers.service import attachments as module
 from geoswarm.workers.service.attachments import Attachments
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.service.media_types import PIECE_BYTES
 from geoswarm.workers.store import Store
 from geoswarm.workers.store.tables import attachment_pieces, attachments
+from tests.integration.engines import PATIENCE
 from tests.workers.conftest import ON_SQLITE
 from tests.workers.problems import line
 
@@ -209,8 +212,6 @@ def test_the_same_file_twice_at_once_is_attached_once(service: JobService, monke
 
 def together(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let two uploads meet behind their look for the same file, if they can."""
-    from geoswarm.workers.service import attachments as module
-
     look, meeting = module.find_attachment, threading.Barrier(2)
 
     def meets(*given: object) -> object:
@@ -245,6 +246,28 @@ def test_files_go_with_their_job(service: JobService) -> None:
     assert rows(service.store) == (1, 1)
     with pytest.raises(JobNotFoundError):
         service.attachments.list(job_id)
+
+
+def test_a_job_is_deleted_before_or_after_an_upload(service: JobService, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not in its middle, when its job has been looked for."""
+    job_id = service.submit(line())[0].id
+    service.cancel(job_id)
+    check = module.check_attachment_quotas
+    with ThreadPoolExecutor(1) as threads:
+
+        def deleted_now(*given: object, **named: object) -> None:
+            deleting.append(threads.submit(delete_job, service.store, job_id))
+            with contextlib.suppress(TimeoutError):
+                deleting[0].result(0.5)
+            check(*given, **named)  # type: ignore[arg-type]
+
+        deleting: list[Future[None]] = []
+        monkeypatch.setattr(module, "check_attachment_quotas", deleted_now)
+        assert service.attachments.add(job_id, "a.jpg", photo())[1]
+        deleting[0].result(PATIENCE)
+    assert rows(service.store) == (0, 0)
+    with pytest.raises(JobNotFoundError):
+        service.attachments.add(job_id, "a.jpg", photo())
 
 
 @ON_SQLITE

@@ -16,10 +16,16 @@ __all__ = [
     "count_attachments",
     "delete_attachment",
     "find_attachment",
+    "hold_job",
     "insert_attachment",
     "list_attachments",
     "read_piece",
 ]
+
+
+def hold_job(connection: Connection, job_id: str) -> None:
+    """Keep a job from being deleted until the end of the transaction; SQLite has one writer anyway."""
+    connection.execute(select(jobs.c.id).where(jobs.c.id == job_id).with_for_update(read=True, key_share=True))
 
 
 def list_attachments(connection: Connection, job_id: str) -> Sequence[Record]:

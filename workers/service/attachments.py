@@ -19,6 +19,7 @@ from geoswarm.workers.operations.retention import empty_journal_now, overwrite_d
 from geoswarm.workers.queries.attachments import (
     delete_attachment,
     find_attachment,
+    hold_job,
     insert_attachment,
     list_attachments,
     read_piece,
@@ -91,6 +92,7 @@ class Attachments:
 
         def work(connection: Connection) -> tuple[Attachment, bool]:
             lock_quotas(connection)  # before the look: its holder may attach the same file
+            hold_job(connection, job_id)
             self._find(connection, job_id)
             row = find_attachment(connection, job_id, sha256)
             new = row is None
