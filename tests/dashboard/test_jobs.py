@@ -146,6 +146,15 @@ def test_columns_sort_jobs_are_counted_and_many_are_deleted_at_once(embedded: Si
     check_accessibility(page)
     for box in page.get_by_role("checkbox").all():
         box.check()
+    embedded.service.label(made[0], tags=["earlier"])
+    page.get_by_role("button", name="Tag …").click()
+    page.get_by_label("Tags to add").fill("dam, second trial")
+    page.keyboard.press("Enter")
+    expect(page.locator("#status")).to_have_text("4 jobs tagged.")
+    expect(rows.first).to_contain_text("second trial")
+    assert embedded.service.get(made[0]).tags == ["dam", "earlier", "second trial"]
+    for box in page.get_by_role("checkbox").all():
+        box.check()
     page.get_by_role("button", name="Delete", exact=True).click()
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
     expect(page.locator("#status")).to_contain_text("3 jobs deleted; 1 not")
