@@ -2,6 +2,7 @@
 import { announce, confirmed, connection, dialog, element, once } from "./dom.js";
 import { age, moment, symbol, tagsIn } from "./format.js";
 import { get, post, send } from "./http.js";
+import { showViews } from "./jobs/views.js";
 import { renew } from "./renew.js";
 
 const INTERVAL = 3000,
@@ -72,6 +73,7 @@ function filter() {
   );
   const url = words.size ? `/?${words}` : "/";
   history.replaceState(null, "", url);
+  showViews();
   return show(url);
 }
 
@@ -160,6 +162,7 @@ deleteChosen?.addEventListener("click", async () => {
 
 for (const box of boxes()) if (box.checked) chosen.add(box.value); // kept by the browser over a reload
 filters.querySelector("button").hidden = true; // filters act at once
+showViews();
 dress();
 setInterval(() => document.hidden || show(), INTERVAL);
 document.addEventListener("visibilitychange", () => document.hidden || show());
