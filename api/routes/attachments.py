@@ -35,7 +35,7 @@ async def _attachments(service: Service) -> Attachments:
 
 
 Own = Annotated[Attachments, Depends(_attachments)]
-Sha256 = Annotated[str, Path(pattern=r"^[0-9a-f]{64}$", description="SHA-256 of the content")]
+Sha256 = Annotated[str, Path(description="SHA-256 of the content")]
 
 
 @router.get("", responses=problems_of(404))
@@ -71,7 +71,7 @@ def attach(
 @router.get(
     "/{sha256}",
     response_class=StreamingResponse,
-    responses={**CONTENT, 304: {"description": "It is the one of If-None-Match"}, **problems_of(404, 422)},
+    responses={**CONTENT, 304: {"description": "It is the one of If-None-Match"}, **problems_of(404)},
 )
 def attachment(job_id: JobId, sha256: Sha256, own: Own, request: Request) -> Response:
     """Download a file. Images may be shown by a browser, everything else is saved."""
@@ -89,7 +89,7 @@ def attachment_head(job_id: JobId, sha256: Sha256, own: Own) -> Response:
     return Response(headers=_headers(own.get(job_id, sha256)))
 
 
-@router.delete("/{sha256}", status_code=204, response_class=Response, responses=problems_of(404, 422))
+@router.delete("/{sha256}", status_code=204, response_class=Response, responses=problems_of(404))
 def delete_attachment(job_id: JobId, sha256: Sha256, own: Own) -> None:
     """Delete a file of a job for good."""
     own.delete(job_id, sha256)

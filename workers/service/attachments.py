@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import hashlib
 import os
+import re
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import IO, Any
@@ -31,6 +32,8 @@ from geoswarm.workers.store.codec import to_datetime
 from geoswarm.workers.store.database import Record
 
 __all__ = ["Attachments"]
+
+SHA256 = re.compile("[0-9a-f]{64}")  # nothing else needs to reach the database
 
 
 class Attachments:
@@ -113,15 +116,14 @@ class Attachments:
         ------
         AttachmentNotFoundError
         """
+        return self._store.read(lambda connection: self._get(connection, job_id, sha256))
 
-        def work(connection: Connection) -> Attachment:
-            self._find(connection, job_id)
-            row = find_attachment(connection, job_id, sha256)
-            if row is None:
-                raise AttachmentNotFoundError(job_id, sha256)
-            return _view(row)
-
-        return self._store.read(work)
+    def _get(self, connection: Connection, job_id: str, sha256: str) -> Attachment:
+        self._find(connection, job_id)
+        row = find_attachment(connection, job_id, sha256) if SHA256.fullmatch(sha256) else None
+        if row is None:
+            raise AttachmentNotFoundError(job_id, sha256[:80])
+        return _view(row)
 
     def content(self, job_id: str, sha256: str) -> Iterator[bytes]:
         """Return the content of one file, in pieces.
@@ -150,10 +152,9 @@ class Attachments:
         """
 
         def work(connection: Connection) -> None:
-            self._find(connection, job_id)
+            self._get(connection, job_id, sha256)
             overwrite_deleted(connection)
-            if not delete_attachment(connection, job_id, sha256):
-                raise AttachmentNotFoundError(job_id, sha256)
+            delete_attachment(connection, job_id, sha256)
 
         self._store.write(work)
         empty_journal_now(self._store)
