@@ -30,6 +30,8 @@ from geoswarm.api.headers import add_security_headers
 from geoswarm.solver.errors import InfeasibleSpaceError, Issue, ProblemError, StatisticsError
 from geoswarm.solver.sentences import parts_json
 from geoswarm.workers.errors import (
+    AttachmentNotFoundError,
+    AttachmentRefusedError,
     BrokerUnavailableError,
     EvaluationNotFoundError,
     HookNotFoundError,
@@ -224,6 +226,11 @@ def translate(error: Exception) -> DetailError:
             return DetailError(404, f"{error}.", kind="not-handed-out", title="Not handed out")
         case ModelsUnavailableError():
             return DetailError(409, f"{error}.", kind="models-unavailable", title="Models unavailable")
+        case AttachmentNotFoundError():
+            return DetailError(404, f"{error}.", kind="attachment-not-found", title="File not found")
+        case AttachmentRefusedError():
+            issues = [Issue(error.field, error.message)]
+            return DetailError(422, f"{error}.", kind="invalid-attachment", title="File refused", issues=issues)
         case HookNotFoundError():
             return DetailError(404, str(error), kind="hook-not-found", title="Hook not found")
         case HookRefusedError():
@@ -242,6 +249,8 @@ def translate(error: Exception) -> DetailError:
 
 
 TRANSLATED: tuple[type[Exception], ...] = (
+    AttachmentNotFoundError,
+    AttachmentRefusedError,
     DetailError,
     ProblemError,
     InfeasibleSpaceError,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from starlette.datastructures import MutableHeaders
 
-__all__ = ["DOCUMENT_POLICY", "PLOT_POLICY", "add_security_headers"]
+__all__ = ["ATTACHMENT_POLICY", "DOCUMENT_POLICY", "PLOT_POLICY", "add_security_headers"]
 
 CONTENT_SECURITY_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -21,6 +21,9 @@ DOCUMENT_POLICY = (
     "frame-ancestors 'none'"
 )
 """For reports and figures, which carry their own style and need nothing else: no script runs in them."""
+
+ATTACHMENT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src 'self'; frame-ancestors 'none'"
+"""For files that somebody has attached to a job: no origin, no script; a browser styles the image that it shows."""
 
 
 def add_security_headers(headers: MutableHeaders) -> None:

@@ -17,6 +17,8 @@
     ├── ModelsUnavailableError      a model that agents are to be given cannot be read now
     ├── HookNotFoundError           no hook has this id
     ├── HookRefusedError            a hook cannot be made like this
+    ├── AttachmentNotFoundError     the job has no such file
+    ├── AttachmentRefusedError      a file cannot be attached
     ├── QuotaExceededError          the owner of the API key has as much as is granted
     ├── InvalidCursorError          the cursor does not come from the listing that it was given to
     ├── NoBodyError                 the job, or its evaluation, has no mesh or no fields
@@ -32,6 +34,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 __all__ = [
+    "AttachmentNotFoundError",
+    "AttachmentRefusedError",
     "BrokerUnavailableError",
     "EvaluationNotFoundError",
     "HookNotFoundError",
@@ -122,6 +126,22 @@ class HookRefusedError(WorkersError):
 
     def __init__(self, field: str, message: str) -> None:
         self.field = field
+        super().__init__(f"{field}: {message}")
+
+
+class AttachmentNotFoundError(WorkersError):
+    """The job has no file with this hash."""
+
+    def __init__(self, job_id: str, sha256: str) -> None:
+        super().__init__(f"job {job_id} has no file with the SHA-256 {sha256!r}")
+
+
+class AttachmentRefusedError(WorkersError):
+    """A file cannot be attached; ``field`` is what is wrong with it: ``name`` or ``content``."""
+
+    def __init__(self, field: str, message: str) -> None:
+        self.field = field
+        self.message = message
         super().__init__(f"{field}: {message}")
 
 

@@ -28,6 +28,10 @@ VARIABLES = {
     "quota_evaluations": "GEOSWARM_QUOTA_EVALUATIONS",
     "quota_mb": "GEOSWARM_QUOTA_MB",
     "quota_total_mb": "GEOSWARM_QUOTA_TOTAL_MB",
+    "attachment_mb": "GEOSWARM_ATTACHMENT_MB",
+    "attachments_per_job": "GEOSWARM_ATTACHMENTS_PER_JOB",
+    "attachments_per_job_mb": "GEOSWARM_ATTACHMENTS_PER_JOB_MB",
+    "quota_attachments_mb": "GEOSWARM_QUOTA_ATTACHMENTS_MB",
     "quota_agents": "GEOSWARM_QUOTA_AGENTS",
     "quota_leases": "GEOSWARM_QUOTA_LEASES",
 }
@@ -120,6 +124,10 @@ class Settings(BaseModel):
     quota_mb, quota_total_mb
         Stored or planned data [MB] of one owner of API keys, and size of the database with all that is planned [MB]
         above which owners of API keys submit nothing more.
+    attachment_mb, attachments_per_job, attachments_per_job_mb
+        Size of one file that is attached to a job [MB], number of files of a job (0: none), and their size [MB].
+    quota_attachments_mb
+        Size of all files attached to the jobs of one owner of API keys [MB].
     quota_agents, quota_leases
         Agents that are there at once with one API key, and leases that they hold.
     """
@@ -157,6 +165,10 @@ class Settings(BaseModel):
     quota_evaluations: int = Field(10_000_000, ge=0)
     quota_mb: float = Field(20_000.0, ge=0, allow_inf_nan=False)
     quota_total_mb: float = Field(100_000.0, ge=0, allow_inf_nan=False)
+    attachment_mb: float = Field(20.0, gt=0, allow_inf_nan=False)
+    attachments_per_job: int = Field(20, ge=0)
+    attachments_per_job_mb: float = Field(100.0, ge=0, allow_inf_nan=False)
+    quota_attachments_mb: float = Field(2_000.0, ge=0, allow_inf_nan=False)
     quota_agents: int = Field(1000, ge=0)
     quota_leases: int = Field(4000, ge=0)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import re
 from collections.abc import Iterator
 from tempfile import SpooledTemporaryFile
 
@@ -38,6 +39,9 @@ LARGE_BODIES = frozenset(
 )
 """Requests that carry a problem or measurements."""
 
+LARGE_PATHS = re.compile(rf"{API_PREFIX}/(?:agents/leases/[^/]*/results|jobs/[^/]+/attachments)")
+"""The same with an id in their paths: they carry results or a file."""
+
 SMALL_BODY_BYTES = 64_000
 """The most that all other requests may carry."""
 
@@ -54,6 +58,8 @@ class _GoneError(Exception):
 
 class Intake:
     """ASGI middleware that reads the whole body of a request before the application sees the request.
+
+    A route that needs no copy of it in memory finds the file in ``request.state.body``.
 
     Parameters
     ----------
@@ -81,6 +87,7 @@ class Intake:
             except _GoneError:  # the client has left; pages give up a request when the user types on
                 return
             else:
+                scope.setdefault("state", {})["body"] = body
                 await self._app(scope, _again(body, account.taken, receive), send)
 
     @contextlib.contextmanager
@@ -105,7 +112,7 @@ class Intake:
         body: SpooledTemporaryFile[bytes],
     ) -> None:
         """Read the body to its end; DetailError when it is too large, too slow, or one too many."""
-        large = (scope["method"], scope["path"]) in LARGE_BODIES or _brings_results(scope["path"])
+        large = (scope["method"], scope["path"]) in LARGE_BODIES or LARGE_PATHS.fullmatch(scope["path"])
         limit = self._settings.max_body_bytes if large else min(SMALL_BODY_BYTES, self._settings.max_body_bytes)
         declared = headers.get("content-length", "")
         if declared.isdecimal():
@@ -179,10 +186,6 @@ class _Account:
     def close(self) -> None:
         """Give back everything."""
         self.settle(0)
-
-
-def _brings_results(path: str) -> bool:
-    return path.startswith(f"{API_PREFIX}/agents/leases/") and path.endswith("/results")
 
 
 def _too_large(limit: int) -> DetailError:

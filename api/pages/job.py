@@ -13,6 +13,7 @@ from geoswarm.api.pages.shell import render
 from geoswarm.solver.methods.registry import find_method
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.service.job_service import JobService
+from geoswarm.workers.service.media_types import ENDINGS
 
 __all__ = ["job_frame", "router"]
 
@@ -25,8 +26,16 @@ MOST_POINTS = 1000
 
 @router.get("/jobs/{job_id}", name="job_page")
 def job_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
-    """Show a job: its answer, its fit, what to do next."""
-    return render(request, "job", plots=True, **job_frame(service, job_id))
+    """Show a job: its answer, its fit, its files, what to do next."""
+    return render(
+        request,
+        "job",
+        plots=True,
+        attachments=service.attachments.list(job_id),
+        attachment_mb=service.settings.attachment_mb,
+        attachment_endings=[ending for endings in ENDINGS.values() for ending in endings],
+        **job_frame(service, job_id),
+    )
 
 
 @router.get("/jobs/{job_id}/fit", name="fit_page")

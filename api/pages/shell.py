@@ -27,6 +27,11 @@ def number(value: float | None, digits: int = 4) -> str:
     return "–" if value is None else plain_number(value, digits, plain=True)  # as the scripts write it
 
 
+def size(value: int) -> str:
+    """A number of bytes for readers."""
+    return f"{value / 1e6:.1f} MB" if value >= 1e6 else f"{max(1, round(value / 1e3))} kB"
+
+
 def words(name: str) -> str:
     """The name of a model, a method or a stop criterion as words."""
     return name.replace("_", " ")
@@ -52,7 +57,7 @@ templates = Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
-templates.filters.update(number=number, words=words, markdown=markdown)
+templates.filters.update(number=number, size=size, words=words, markdown=markdown)
 templates.globals.update(progress=progress)
 templates.globals.update(ended_states=ENDED_STATES, open_states=OPEN_STATES, evaluation_states=EVALUATION_STATES)
 

@@ -4,6 +4,7 @@
 ``administration``  for administrators: API keys, and how the installation is doing
 ``agents``          agents: workers that reach the service by HTTP and nothing else
 ``ags``             files in the AGS 4 format: what they hold, and the problem that some of it makes
+``attachments``     files that people attach to a job: list, attach, download, delete
 ``events``          live events of a job as server-sent events
 ``findings``        what the evaluations of a job tell: fit, points, statistics, uncertainty, fields
 ``forward_models``  installed forward models: their section of the problem file, parameters and series with units
@@ -26,6 +27,7 @@ from geoswarm.api.routes import (
     administration,
     agents,
     ags,
+    attachments,
     events,
     forward_models,
     hooks,
@@ -45,6 +47,7 @@ api_router = APIRouter()
 for router in (
     agents.router,  # first, as theirs are most of all requests, and routes are tried in turn
     jobs.router,
+    attachments.router,
     results.router,
     fit.router,
     statistics.router,

@@ -21,12 +21,13 @@ from pydantic import (
 )
 
 from geoswarm.records.evaluation import Attempt, Evaluation
-from geoswarm.records.job import Generation, Job
+from geoswarm.records.job import Attachment, Generation, Job
 from geoswarm.records.problem import ForwardModelSummary, WarmStart
 from geoswarm.records.service import Worker
 from geoswarm.solver.problem import Stopping
 
 __all__ = [
+    "AttachmentList",
     "AttemptList",
     "EvaluationPage",
     "ForwardModelList",
@@ -75,6 +76,12 @@ class JobPage(Model):
 
     items: list[Job]
     next_cursor: str | None = Field(description="give it as cursor to get the next page; null at the end")
+
+
+class AttachmentList(Model):
+    """Files of a job, oldest first."""
+
+    items: list[Attachment]
 
 
 class AttemptList(Model):

@@ -69,6 +69,9 @@ COMMANDS: dict[str, CommandEntry] = {
     "pause": CommandEntry("service.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("service.jobs", _JOBS, "Resume a paused job."),
     "label": CommandEntry("service.jobs", _JOBS, "Give a job tags and a note, to find it again."),
+    "attachments": CommandEntry(
+        "service.attachments", _JOBS, "Attach files to a job: a photo of the specimen, the laboratory's PDF."
+    ),
     "export": CommandEntry("service.export", _JOBS, "Write all evaluations of a job as CSV, JSON or Parquet."),
     "retry-failed": CommandEntry("service.failures", _JOBS, "Rerun the failed evaluations of a job."),
     "workers": CommandEntry("service.jobs", _JOBS, "List the workers of a service."),

@@ -35,7 +35,7 @@ from geoswarm.client.points import PointParameter, Points, PointSeries
 from geoswarm.records.account import Hook, Key, NewHook, NewKey
 from geoswarm.records.evaluation import Attempt, Best, Evaluation, Response
 from geoswarm.records.fit import Fit, FitCurve, FitParameter, FitSeries
-from geoswarm.records.job import Event, Generation, Job, Retry
+from geoswarm.records.job import Attachment, Event, Generation, Job, Retry
 from geoswarm.records.problem import CheckResult, Parameter, Series, TestRun, WarmStart
 from geoswarm.records.problem import ForwardModelDetail as ForwardModel
 from geoswarm.records.problem import ForwardModelSummary as ForwardModelInfo
@@ -47,6 +47,7 @@ from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
 __all__ = [
     "AsyncClient",
     "Client",
+    "Attachment",
     "Attempt",
     "Best",
     "CheckResult",

@@ -31,6 +31,7 @@ from geoswarm.environment import SecretFileError, secret
 __all__ = [
     "API",
     "DEFAULT_URL",
+    "FILE_BODY",
     "JSON_BODY",
     "LIMITS",
     "Call",
@@ -68,6 +69,7 @@ Problem = Mapping[str, Any] | str | Path
 
 Query = str | int | float | list[str]
 JSON_BODY = {"Content-Type": "application/json"}
+FILE_BODY = {"Content-Type": "application/octet-stream"}
 
 Noise = Mapping[str, float] | float | None
 """Known standard deviation of a reading, base units: one for all series, or one each."""

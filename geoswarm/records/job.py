@@ -1,4 +1,4 @@
-"""A job, and what becomes of its failed evaluations."""
+"""A job, the files that are attached to it, and what becomes of its failed evaluations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from geoswarm.records.record import Number, described, record
 from geoswarm.records.states import ENDED_STATES, JobState
 from geoswarm.records.statistics import FitKind, SeriesShare
 
-__all__ = ["Event", "Generation", "Job", "Retry", "SearchBest"]
+__all__ = ["Attachment", "Event", "Generation", "Job", "Retry", "SearchBest"]
 
 
 @record
@@ -140,3 +140,14 @@ class Generation:
     diversity: float | None = described(
         "scatter of the particles: near 1 all over the space, 0 at one point; null: not requested"
     )
+
+
+@record
+class Attachment:
+    """A file that is attached to a job, without its content."""
+
+    sha256: str = described("SHA-256 of the content; the file's address")
+    name: str
+    media_type: str = described("what it is by its content")
+    size: int = described("bytes")
+    created_at: datetime = described("when it was attached")

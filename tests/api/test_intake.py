@@ -15,7 +15,7 @@ import pytest
 from pydantic import SecretStr
 
 from geoswarm.api import ApiSettings
-from geoswarm.api.access.intake import LARGE_BODIES, SMALL_BODY_BYTES
+from geoswarm.api.access.intake import LARGE_BODIES, LARGE_PATHS, SMALL_BODY_BYTES
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.service.job_service import JobService
 from tests.api.conftest import API, App, LiveServer, line_problem, live_server
@@ -88,7 +88,9 @@ def test_the_routes_of_large_bodies_are_those_that_take_problems_and_files(app: 
             content = operation.get("requestBody", {}).get("content", {})
             if {"application/yaml", "application/octet-stream"} & set(content):
                 found.add((method.upper(), path))
-    assert found == LARGE_BODIES
+    attaching = "/api/v1/jobs/{job_id}/attachments"
+    assert found == LARGE_BODIES | {("POST", attaching)}
+    assert LARGE_PATHS.fullmatch(attaching)
 
 
 def test_a_body_arrives_whole_whatever_its_size(app: App) -> None:

@@ -146,6 +146,15 @@ def test_columns_sort_jobs_are_counted_and_many_are_deleted_at_once(embedded: Si
     check_accessibility(page)
     for box in page.get_by_role("checkbox").all():
         box.check()
+    embedded.service.label(made[0], tags=["earlier"])
+    page.get_by_role("button", name="Tag …").click()
+    page.get_by_label("Tags to add").fill("dam, second trial")
+    page.keyboard.press("Enter")
+    expect(page.locator("#status")).to_have_text("4 jobs tagged.")
+    expect(rows.first).to_contain_text("second trial")
+    assert embedded.service.get(made[0]).tags == ["dam", "earlier", "second trial"]
+    for box in page.get_by_role("checkbox").all():
+        box.check()
     page.get_by_role("button", name="Delete", exact=True).click()
     page.get_by_role("dialog").get_by_role("button", name="Delete").click()
     expect(page.locator("#status")).to_contain_text("3 jobs deleted; 1 not")
@@ -154,3 +163,26 @@ def test_columns_sort_jobs_are_counted_and_many_are_deleted_at_once(embedded: Si
     page.get_by_role("dialog").get_by_role("button", name="Cancel them").click()
     expect(page.locator(f"tr[data-job='{running}'] .state")).to_have_text("cancelled")
     expect(page.locator("#total")).to_have_text("1 job that matches")
+
+
+def test_a_view_of_the_list_is_kept_and_removed(embedded: Site, visit: Visit) -> None:
+    embedded.service.submit(parse_problem(textbook(name="kept view")))
+    page, _ = visit(embedded, "/")
+    views = page.get_by_role("group", name="Kept views")
+    expect(views).to_be_hidden()
+    page.get_by_label("Search").fill("kept view")
+    page.get_by_role("button", name="Keep this view").click()
+    page.get_by_label("Name of the view").fill("dam")
+    page.keyboard.press("Enter")
+    link = views.get_by_role("link", name="dam")
+    expect(link).to_have_attribute("aria-current", "true")
+    expect(page.get_by_role("button", name="Keep this view")).to_have_count(0)
+    check_accessibility(page, "#views")
+    page.goto("/")
+    expect(link).not_to_have_attribute("aria-current", "true")
+    link.click()
+    expect(page).to_have_url(re.compile(r"/\?q=kept\+view$"))
+    expect(page.locator("tr[data-job]")).to_have_count(1)
+    page.get_by_role("button", name="Remove the view dam").click()
+    expect(link).to_have_count(0)
+    expect(page.get_by_role("button", name="Keep this view")).to_be_visible()

@@ -46,7 +46,7 @@ def latest(url: str) -> str:
 def test_jobs_over_http(service: tuple[Reader, str], job: str) -> None:
     """What is answered has the members that are shown; of the objects, whose end is left open, at least those."""
     reader, url = service
-    commands = re.findall(r"^\$ (.*)\n(.*)$", block(HTTP, "$ curl").text, re.MULTILINE)
+    commands = re.findall(r"^\$ (.*)\n(.*)$", block(HTTP, "--data @problem.json").text, re.MULTILINE)
     assert len(commands) == 2
     for command, told in commands:
         answer = json.loads(reader.shell(command.replace(USUAL, url).replace("6f0c…", job)))
@@ -55,6 +55,15 @@ def test_jobs_over_http(service: tuple[Reader, str], job: str) -> None:
         assert {name: type(answer[name]) for name in shown} == {name: type(value) for name, value in shown.items()}
     (inline,) = re.findall(r".*curl.*", block("docs/command-line.md", "geoswarm inline").text)
     assert json.loads(reader.shell(inline.replace(USUAL, url).replace("curl", "curl -s")))["state"] == "queued"
+
+
+def test_a_file_is_attached_as_the_page_shows(service: tuple[Reader, str], job: str) -> None:
+    reader, url = service
+    (reader.folder / "specimen.jpg").write_bytes(b"\xff\xd8\xff\xe0 a photo")
+    command, told = block(HTTP, "specimen.jpg").text.removeprefix("$ ").splitlines()
+    answer = json.loads(reader.shell(command.replace(USUAL, url).replace("6f0c…", job)))
+    assert answer.keys() == json.loads(told).keys()
+    assert (answer["name"], answer["media_type"]) == ("specimen.jpg", "image/jpeg")
 
 
 def test_points_are_read_as_the_page_does(service: tuple[Reader, str], job: str) -> None:

@@ -85,7 +85,8 @@ BLOCKS: Final[dict[str, dict[str, str]]] = {
         "write_pvd": f"{PYTHON}test_results_for_paraview",
     },
     "docs/http-api.md": {
-        "$ curl": f"{SERVICE}test_jobs_over_http",
+        "--data @problem.json": f"{SERVICE}test_jobs_over_http",
+        "specimen.jpg": f"{SERVICE}test_a_file_is_attached_as_the_page_shows",
         "numpy.frombuffer": f"{SERVICE}test_points_are_read_as_the_page_does",
         "event: generation": f"{SERVICE}test_events_have_the_form_and_members_of_the_page",
         "urn:geoswarm:error": f"{SERVICE}test_a_mistake_is_answered_as_the_page_shows",

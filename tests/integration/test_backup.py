@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sqlite3
 import subprocess
@@ -28,6 +29,7 @@ from tests.workers.hand import Hand, runtime_for
 from tests.workers.problems import course, expected_history, line, recorded_history
 
 PROBLEM = line(stopping={"max_evaluations": 60})
+PHOTO = b"\xff\xd8\xff\xe0" + os.urandom(600_000)
 
 
 def settings_for(url: str) -> Settings:
@@ -44,6 +46,7 @@ def begin(store: Store, settings: Settings) -> tuple[str, str, str]:
     for _ in range(5):
         hand.submit(1)
     assert service.get(ids[1]).state == "running"
+    service.attachments.add(ids[0], "photo.jpg", io.BytesIO(PHOTO))
     ApiKeys(store).create("anna", "submit")
     Hooks(store, Principal("anna", "submit"), NoticeSettings()).create("https://example.org/hook")
     return ids[0], ids[1], ids[2]
@@ -73,6 +76,8 @@ def check_copy(url: str, ids: tuple[str, str, str], key_count: int = 1) -> None:
             finish(store, settings, job_id)
             assert recorded_history(service, job_id) == expected
         assert service.submit(PROBLEM, idempotency_key="done")[0].id == done
+        (file,) = service.attachments.list(done)
+        assert b"".join(service.attachments.content(done, file.sha256)) == PHOTO
         assert len(ApiKeys(store).list()) == key_count
         assert [hook.owner for hook in Hooks(store, LOCAL, NoticeSettings()).list()] == ["anna"]
         again, new = service.submit(PROBLEM)  # sequences go on where they were

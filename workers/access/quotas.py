@@ -1,4 +1,5 @@
-"""Quotas of an owner: how many jobs may be open, how many evaluations be stored, and how much of the disk they take."""
+"""Quotas of an owner: how many jobs may be open, how many evaluations be stored, and how much of the disk they and the
+files attached to them take."""
 
 from __future__ import annotations
 
@@ -11,10 +12,11 @@ from geoswarm.records.states import ENDED_STATES
 from geoswarm.solver.calibration import WarmStartRuns
 from geoswarm.solver.problem import Problem
 from geoswarm.workers.errors import QuotaExceededError
+from geoswarm.workers.queries.attachments import attached_bytes, count_attachments
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store.tables import jobs
 
-__all__ = ["check_quotas", "lock_quotas", "sizes"]
+__all__ = ["check_attachment_quotas", "check_quotas", "lock_quotas", "sizes"]
 
 LOCK = 7_209_341_855_018
 """Number of the lock in PostgreSQL: any that nothing else in this database uses."""
@@ -23,6 +25,12 @@ JOB_BYTES = 4096
 EVALUATION_BYTES = 600
 """What a row takes beside its numbers, with its share of indices, generations and events, about: measured 220 to 310 in
 SQLite, 440 to 790 in PostgreSQL."""
+
+
+ENDED = jobs.c.state.in_(ENDED_STATES)
+PLANNED = func.coalesce(jobs.c.max_evaluations, 0)
+AHEAD = case((ENDED, 0), (jobs.c.evaluations < PLANNED, PLANNED - jobs.c.evaluations), else_=0)
+"""Evaluations that a job still plans."""
 
 
 def sizes(problem: Problem, documents: Mapping[str, str], offer: WarmStartRuns | None) -> dict[str, int]:
@@ -78,17 +86,7 @@ def check_quotas(
     ------
     QuotaExceededError
     """
-    ended = jobs.c.state.in_(ENDED_STATES)
-    planned_there = func.coalesce(jobs.c.max_evaluations, 0)
-    ahead = case((ended, 0), (planned_there > jobs.c.evaluations, planned_there - jobs.c.evaluations), else_=0)
-    row = connection.execute(
-        select(
-            func.coalesce(func.sum(case((ended, 0), else_=1)), 0),
-            func.coalesce(func.sum(jobs.c.evaluations + ahead), 0),
-            func.coalesce(func.sum(jobs.c.document_bytes + jobs.c.evaluation_bytes * (jobs.c.evaluations + ahead)), 0),
-        ).where(jobs.c.owner == owner)
-    ).one()
-    open_jobs, stored, owned = (int(value) for value in row)
+    open_jobs, stored, owned = _totals(connection, owner)
     if another and open_jobs >= settings.quota_jobs:
         raise QuotaExceededError(
             f"{owner} has {open_jobs} jobs that have not ended; at most {settings.quota_jobs} are accepted."
@@ -101,18 +99,82 @@ def check_quotas(
             f" at most {settings.quota_evaluations} are kept. Delete jobs that are no longer needed"
         )
     asked = size["document_bytes"] + size["evaluation_bytes"] * wanted
-    what = f"{_mb(asked)} more ({wanted} evaluations of {size['evaluation_bytes']} bytes)"
+    what = f"this one {_mb(asked)} more ({wanted} evaluations of {size['evaluation_bytes']} bytes)"
+    _check_room(connection, owner, owned, asked, what, settings, taken)
+
+
+def check_attachment_quotas(
+    connection: Connection, job_id: str, owner: str | None, size: int, settings: Settings, *, taken: int
+) -> None:
+    """Refuse another file of a job when it would exceed a limit; after :func:`lock_quotas`, in the transaction that
+    stores it.
+
+    Parameters
+    ----------
+    owner
+        Whose quotas count; None: only the limits of the job do.
+    size
+        Of the file [bytes].
+    taken
+        What the database takes of its disk now [bytes].
+
+    Raises
+    ------
+    QuotaExceededError
+    """
+    number, attached = count_attachments(connection, job_id)
+    if number >= settings.attachments_per_job:
+        raise QuotaExceededError(
+            f"the job has {number} files; at most {settings.attachments_per_job} can be attached"
+            " (GEOSWARM_ATTACHMENTS_PER_JOB). Delete files that are no longer needed"
+        )
+    if attached + size > settings.attachments_per_job_mb * 1e6:
+        raise QuotaExceededError(
+            f"the job has {_mb(attached)} of files and this one {_mb(size)} more;"
+            f" at most {_mb(settings.attachments_per_job_mb * 1e6)} can be attached (GEOSWARM_ATTACHMENTS_PER_JOB_MB)."
+            " Delete files that are no longer needed"
+        )
+    if owner is None:
+        return
+    attached = attached_bytes(connection, owner)
+    if attached + size > settings.quota_attachments_mb * 1e6:
+        raise QuotaExceededError(
+            f"the jobs of {owner} have {_mb(attached)} of files and this one {_mb(size)} more;"
+            f" at most {_mb(settings.quota_attachments_mb * 1e6)} are kept (GEOSWARM_QUOTA_ATTACHMENTS_MB)."
+            " Delete files or jobs that are no longer needed"
+        )
+    _, _, owned = _totals(connection, owner)
+    _check_room(connection, owner, owned, size, f"this file {_mb(size)} more", settings, taken)
+
+
+def _totals(connection: Connection, owner: str) -> tuple[int, int, int]:
+    """Return how many jobs of an owner have not ended, and evaluations and data [bytes] of all, stored or planned."""
+    row = connection.execute(
+        select(
+            func.coalesce(func.sum(case((ENDED, 0), else_=1)), 0),
+            func.coalesce(func.sum(jobs.c.evaluations + AHEAD), 0),
+            func.coalesce(func.sum(jobs.c.document_bytes + jobs.c.evaluation_bytes * (jobs.c.evaluations + AHEAD)), 0),
+        ).where(jobs.c.owner == owner)
+    ).one()
+    open_jobs, stored, owned = (int(value) for value in row)
+    return open_jobs, stored, owned + attached_bytes(connection, owner)
+
+
+def _check_room(
+    connection: Connection, owner: str, owned: int, asked: int, what: str, settings: Settings, taken: int
+) -> None:
+    """Refuse what an owner, or all of them, have no room for; ``what`` are words for the bytes that are asked for."""
     if owned + asked > settings.quota_mb * 1e6:
         raise QuotaExceededError(
-            f"the jobs of {owner} have or plan {_mb(owned)} of data and this one {what};"
+            f"the jobs of {owner} have or plan {_mb(owned)} of data and {what};"
             f" at most {_mb(settings.quota_mb * 1e6)} are kept (GEOSWARM_QUOTA_MB). Delete jobs that are no longer"
             " needed, cancel some, or plan fewer evaluations or points"
         )
-    still = jobs.c.evaluation_bytes * ahead
-    waiting: Any = connection.scalar(select(func.coalesce(func.sum(still), 0)).where(~ended))
+    still = jobs.c.evaluation_bytes * AHEAD
+    waiting: Any = connection.scalar(select(func.coalesce(func.sum(still), 0)).where(~ENDED))
     if taken + int(waiting) + asked > settings.quota_total_mb * 1e6:
         raise QuotaExceededError(
-            f"the database has {_mb(taken)}, jobs that have not ended plan {_mb(int(waiting))} and this one {what};"
+            f"the database has {_mb(taken)}, jobs that have not ended plan {_mb(int(waiting))} and {what};"
             f" at most {_mb(settings.quota_total_mb * 1e6)} are kept for all owners (GEOSWARM_QUOTA_TOTAL_MB)."
             " Delete or cancel jobs, plan fewer evaluations or points, or ask the administrator"
         )

@@ -16,10 +16,11 @@ from geoswarm.records.states import ENDED_STATES
 from geoswarm.workers.errors import InvalidTransitionError, JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.operations.sweep import empty_journal, note_deletion, with_signals
 from geoswarm.workers.queries import jobs
+from geoswarm.workers.queries.attachments import delete_attachment
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.store import Store
 
-__all__ = ["Pruned", "delete_job", "prune", "run_prune"]
+__all__ = ["Pruned", "delete_job", "empty_journal_now", "overwrite_deleted", "prune", "run_prune"]
 
 log = logging.getLogger(__name__)
 
@@ -52,7 +53,7 @@ def delete_job(store: Store, job_id: str) -> None:
     """
     while store.write(lambda connection: _delete_some(connection, job_id)):
         pass
-    _empty_journal(store)
+    empty_journal_now(store)
 
 
 def prune(
@@ -120,8 +121,7 @@ def _round(settings: Settings, older_than: float, states: Collection[str]) -> No
 
 def _delete_some(connection: Connection, job_id: str) -> bool:
     """Delete a part; whether something is left."""
-    if connection.dialect.name == "sqlite":
-        connection.exec_driver_sql("PRAGMA secure_delete = ON")  # overwrite what is deleted with zeros
+    overwrite_deleted(connection)
     locked = jobs.lock_job(connection, job_id)
     if locked is None:
         raise JobNotFoundError(job_id)
@@ -129,12 +129,21 @@ def _delete_some(connection: Connection, job_id: str) -> bool:
         raise InvalidTransitionError("delete", locked.row.state, ENDED_STATES)
     if jobs.delete_evaluations(connection, job_id, ROWS_A_TRANSACTION) == ROWS_A_TRANSACTION:
         return True
+    if delete_attachment(connection, job_id):
+        return True
     jobs.delete_job(connection, job_id)
-    note_deletion(connection)
     return False
 
 
-def _empty_journal(store: Store) -> None:
+def overwrite_deleted(connection: Connection) -> None:
+    """Let SQLite overwrite with zeros what this transaction deletes, and note that its journal is to be emptied."""
+    if connection.dialect.name == "sqlite":
+        connection.exec_driver_sql("PRAGMA secure_delete = ON")
+    note_deletion(connection)
+
+
+def empty_journal_now(store: Store) -> None:
+    """Empty the journal after a deletion, or leave that to the next sweep."""
     if not empty_journal(store):
         log.info("the journal of the database cannot be emptied while it is read; the next sweep tries again")
 
@@ -144,7 +153,7 @@ def _vacuum(store: Store) -> None:
         _alone(store, "VACUUM")
         store.truncate_journal()
         return
-    for table in ("evaluations", "generations", "events", "attempts", "jobs"):
+    for table in ("evaluations", "generations", "events", "attempts", "attachment_pieces", "jobs"):
         _alone(store, f"VACUUM (ANALYZE) {table}")
 
 

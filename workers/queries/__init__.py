@@ -3,6 +3,7 @@
 ===============  =======================================================================================================
 ``agents``       queries on agents, and on what they hold
 ``api_keys``     queries on API keys
+``attachments``  queries on files that are attached to jobs
 ``evaluations``  queries on evaluations
 ``follow_ups``   which follow-ups a job has, and the evaluations of one in their order
 ``job_list``     the list of jobs: filtered, searched, sorted, in pages that miss and repeat no job while others are

@@ -46,6 +46,7 @@ from geoswarm.workers.queries.job_list import JobFilters, count_jobs, label_job,
 from geoswarm.workers.queries.offers import find_offer, find_warm_starts, write_offer
 from geoswarm.workers.queries.views import event_view, job_view, worker_view
 from geoswarm.workers.queries.workers import current_work, list_workers
+from geoswarm.workers.service.attachments import Attachments
 from geoswarm.workers.service.records import JobRecords, clip
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import CancelRequested, PauseRequested, Request, ResumeRequested
@@ -91,6 +92,11 @@ class JobService(JobRecords):
         from geoswarm.workers.service.statistics import StatisticsService
 
         return StatisticsService(self.store, self._row, self._cache)
+
+    @property
+    def attachments(self) -> Attachments:
+        """Files attached to the jobs that :attr:`principal` may see."""
+        return Attachments(self.store, self._row, self.settings, self.principal)
 
     @property
     def bodies(self) -> BodyService:

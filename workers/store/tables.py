@@ -12,6 +12,7 @@ from sqlalchemy import (
     Column,
     Double,
     ForeignKey,
+    ForeignKeyConstraint,
     Index,
     Integer,
     LargeBinary,
@@ -28,6 +29,8 @@ __all__ = [
     "agent_leases",
     "agents",
     "api_keys",
+    "attachment_pieces",
+    "attachments",
     "attempts",
     "builds",
     "counters",
@@ -376,6 +379,28 @@ builds = Table(
 
 One that has ended meanwhile may have ended by that.
 """
+
+attachments = Table(
+    "attachments",
+    metadata,
+    _job(key=True),
+    Column("sha256", String(64), primary_key=True),  # of the content
+    Column("name", Text, nullable=False),
+    Column("media_type", Text, nullable=False),
+    Column("size", BigInteger, nullable=False),
+    Column("created_at", Double, nullable=False),
+)
+"""Files that people attach to a job."""
+
+attachment_pieces = Table(
+    "attachment_pieces",
+    metadata,
+    Column("job_id", String(32), primary_key=True),
+    Column("sha256", String(64), primary_key=True),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("content", LargeBinary, nullable=False),
+    ForeignKeyConstraint(["job_id", "sha256"], ["attachments.job_id", "attachments.sha256"], ondelete="CASCADE"),
+)
 
 counters = Table(
     "counters",

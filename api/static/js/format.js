@@ -128,3 +128,10 @@ export function symbol(name) {
   const cut = name.lastIndexOf(".") + 1;
   return name.slice(0, cut) + (SYMBOLS[name.slice(cut)] ?? name.slice(cut));
 }
+
+/** The tags of a text with commas between them. */
+export const tagsIn = (text) =>
+  text
+    .split(",")
+    .map((tag) => tag.trim())
+    .filter(Boolean);

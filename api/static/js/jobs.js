@@ -1,7 +1,8 @@
 // The list of jobs: kept up to date while somebody looks, filtered without a reload, and where jobs to compare are chosen.
-import { announce, confirmed, connection, once } from "./dom.js";
-import { age, moment, symbol } from "./format.js";
+import { announce, confirmed, connection, dialog, element, once } from "./dom.js";
+import { age, moment, symbol, tagsIn } from "./format.js";
 import { get, post, send } from "./http.js";
+import { showViews } from "./jobs/views.js";
 import { renew } from "./renew.js";
 
 const INTERVAL = 3000,
@@ -12,7 +13,8 @@ const list = document.getElementById("list");
 const filters = document.getElementById("filters");
 const choose = document.getElementById("choose");
 const chosen = new Set(); // beyond the page that is shown
-const cancelChosen = document.getElementById("cancel-chosen"),
+const tagChosen = document.getElementById("tag-chosen"),
+  cancelChosen = document.getElementById("cancel-chosen"),
   deleteChosen = document.getElementById("delete-chosen");
 let asked = 0;
 
@@ -31,10 +33,10 @@ const boxes = () => [...list.querySelectorAll("input[name=job]")];
 function tell() {
   const button = choose.querySelector("button[type=submit]");
   button.disabled = chosen.size < FEWEST || chosen.size > MOST;
-  for (const act of [cancelChosen, deleteChosen]) if (act) act.disabled = chosen.size === 0;
+  for (const act of [tagChosen, cancelChosen, deleteChosen]) if (act) act.disabled = chosen.size === 0;
   const what =
     chosen.size === 0
-      ? "Choose two to six jobs to compare, or any number to cancel or delete."
+      ? "Choose two to six jobs to compare, or any number to tag, cancel or delete."
       : chosen.size < FEWEST
         ? "1 job chosen; choose at least one more to compare."
         : chosen.size > MOST
@@ -71,6 +73,7 @@ function filter() {
   );
   const url = words.size ? `/?${words}` : "/";
   history.replaceState(null, "", url);
+  showViews();
   return show(url);
 }
 
@@ -120,7 +123,34 @@ async function forAll(work, done) {
   await show();
 }
 
+/** Ask for tags, and add them to those that the chosen jobs have. */
+function tag() {
+  const form = element(
+    "form",
+    {},
+    element(
+      "label",
+      {},
+      "Tags to add, with commas between them",
+      element("input", { name: "tags", required: true, placeholder: "dam, second trial" }),
+    ),
+    element("div", { class: "buttons" }, element("button", { type: "submit" }, "Add")),
+  );
+  const made = dialog(`Tag ${many()}`, form);
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    made.close();
+    const added = tagsIn(form.elements.tags.value);
+    const work = async (id) => {
+      const { tags } = await get(`/jobs/${id}`);
+      await send("PATCH", `/jobs/${id}`, { tags: [...new Set([...tags, ...added])] });
+    };
+    once(tagChosen, () => forAll(work, "tagged"));
+  });
+}
+
 const many = () => (chosen.size === 1 ? "this job" : `these ${chosen.size} jobs`);
+tagChosen?.addEventListener("click", tag);
 cancelChosen?.addEventListener("click", async () => {
   if (await confirmed(`Cancel ${many()} now? Results so far are kept.`, "Cancel them"))
     once(cancelChosen, () => forAll((id) => post(`/jobs/${id}/cancel`), "cancelled"));
@@ -132,6 +162,7 @@ deleteChosen?.addEventListener("click", async () => {
 
 for (const box of boxes()) if (box.checked) chosen.add(box.value); // kept by the browser over a reload
 filters.querySelector("button").hidden = true; // filters act at once
+showViews();
 dress();
 setInterval(() => document.hidden || show(), INTERVAL);
 document.addEventListener("visibilitychange", () => document.hidden || show());

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from geoswarm.client._async import analysis, drafts, following, jobs, reports, results, service
+from geoswarm.client._async import analysis, attached, drafts, following, jobs, reports, results, service
 from geoswarm.client._async.connection import AsyncConnection
 
 __all__ = ["AsyncClient"]
@@ -60,6 +60,11 @@ class AsyncClient(AsyncConnection):
     label = jobs.label
     retry_failed = jobs.retry_failed
     delete = jobs.delete
+
+    attachments = attached.attachments
+    attach = attached.attach
+    download_attachment = attached.download_attachment
+    delete_attachment = attached.delete_attachment
 
     events = following.events
     wait = following.wait

@@ -9,7 +9,7 @@ from typing import Any
 from urllib.parse import quote
 
 from geoswarm.client._async.connection import AsyncConnection
-from geoswarm.client.calls import API, JSON_BODY, Call, Problem, present, problem_text, reader
+from geoswarm.client.calls import API, FILE_BODY, JSON_BODY, Call, Problem, present, problem_text, reader
 from geoswarm.records.problem import CheckResult, WarmStart
 
 __all__ = [
@@ -25,7 +25,6 @@ __all__ = [
 ]
 
 _Object = dict[str, Any]
-_FILE_BODY = {"Content-Type": "application/octet-stream"}
 
 
 async def check(self: AsyncConnection, problem: Problem) -> CheckResult:
@@ -86,7 +85,7 @@ async def read_measurements(self: AsyncConnection, path: str | Path, sheet: str 
     path = Path(path)
     query = present(name=path.name, sheet=sheet)
     content = await asyncio.to_thread(path.read_bytes)
-    return await self._send(Call("POST", f"{API}/measurements", reader(_Object), query, _FILE_BODY, content))
+    return await self._send(Call("POST", f"{API}/measurements", reader(_Object), query, FILE_BODY, content))
 
 
 async def read_ags(self: AsyncConnection, path: str | Path) -> list[_Object]:
@@ -102,7 +101,7 @@ async def read_ags(self: AsyncConnection, path: str | Path) -> list[_Object]:
     content = await asyncio.to_thread(path.read_bytes)
     query = present(name=path.name)
     return await self._send(
-        Call("POST", f"{API}/measurements/ags", reader(list[_Object], "items"), query, _FILE_BODY, content)
+        Call("POST", f"{API}/measurements/ags", reader(list[_Object], "items"), query, FILE_BODY, content)
     )
 
 
@@ -148,9 +147,7 @@ async def import_ags(
         stage_duration=stage_duration,
         initial_stress=initial_stress,
     )
-    return await self._send(
-        Call("POST", f"{API}/measurements/ags/problem", reader(_Object), query, _FILE_BODY, content)
-    )
+    return await self._send(Call("POST", f"{API}/measurements/ags/problem", reader(_Object), query, FILE_BODY, content))
 
 
 async def examples(self: AsyncConnection) -> list[_Object]:

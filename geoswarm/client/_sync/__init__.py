@@ -6,6 +6,7 @@
 ``connection``  address, key, timeouts; sends one request and reads its answer
 ``jobs``        submit, find, steer and delete jobs
 ``following``   follow the events of a job, wait for its end
+``attached``    files that are attached to a job: list, attach, download, delete
 ``results``     what a job has evaluated, its fit, and the bodies behind it
 ``analysis``    statistics and uncertainty of a job
 ``reports``     its reports and figures

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from geoswarm.client._sync import analysis, drafts, following, jobs, reports, results, service
+from geoswarm.client._sync import analysis, attached, drafts, following, jobs, reports, results, service
 from geoswarm.client._sync.connection import Connection
 
 __all__ = ["Client"]
@@ -61,6 +61,11 @@ class Client(Connection):
     label = jobs.label
     retry_failed = jobs.retry_failed
     delete = jobs.delete
+
+    attachments = attached.attachments
+    attach = attached.attach
+    download_attachment = attached.download_attachment
+    delete_attachment = attached.delete_attachment
 
     events = following.events
     wait = following.wait

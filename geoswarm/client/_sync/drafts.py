@@ -9,7 +9,7 @@ from typing import Any
 from urllib.parse import quote
 
 from geoswarm.client._sync.connection import Connection
-from geoswarm.client.calls import API, JSON_BODY, Call, Problem, present, problem_text, reader
+from geoswarm.client.calls import API, FILE_BODY, JSON_BODY, Call, Problem, present, problem_text, reader
 from geoswarm.records.problem import CheckResult, WarmStart
 
 __all__ = [
@@ -25,7 +25,6 @@ __all__ = [
 ]
 
 _Object = dict[str, Any]
-_FILE_BODY = {"Content-Type": "application/octet-stream"}
 
 
 def check(self: Connection, problem: Problem) -> CheckResult:
@@ -86,7 +85,7 @@ def read_measurements(self: Connection, path: str | Path, sheet: str | None = No
     path = Path(path)
     query = present(name=path.name, sheet=sheet)
     content = path.read_bytes()
-    return self._send(Call("POST", f"{API}/measurements", reader(_Object), query, _FILE_BODY, content))
+    return self._send(Call("POST", f"{API}/measurements", reader(_Object), query, FILE_BODY, content))
 
 
 def read_ags(self: Connection, path: str | Path) -> list[_Object]:
@@ -102,7 +101,7 @@ def read_ags(self: Connection, path: str | Path) -> list[_Object]:
     content = path.read_bytes()
     query = present(name=path.name)
     return self._send(
-        Call("POST", f"{API}/measurements/ags", reader(list[_Object], "items"), query, _FILE_BODY, content)
+        Call("POST", f"{API}/measurements/ags", reader(list[_Object], "items"), query, FILE_BODY, content)
     )
 
 
@@ -148,7 +147,7 @@ def import_ags(
         stage_duration=stage_duration,
         initial_stress=initial_stress,
     )
-    return self._send(Call("POST", f"{API}/measurements/ags/problem", reader(_Object), query, _FILE_BODY, content))
+    return self._send(Call("POST", f"{API}/measurements/ags/problem", reader(_Object), query, FILE_BODY, content))
 
 
 def examples(self: Connection) -> list[_Object]:

@@ -15,7 +15,7 @@ from tests.integration.engines import PATIENCE
 
 WANTED = (
     *("init", "inline", "check", "estimate", "evaluate", "run", "serve", "worker", "sweep", "submit", "watch"),
-    *("list", "show", "cancel", "pause", "resume", "label", "retry-failed", "export", "demo", "workers"),
+    *("list", "show", "cancel", "pause", "resume", "label", "retry-failed", "export", "demo", "workers", "attachments"),
     *("report", "statistics", "reweight", "paper", "keys", "prune"),
     *("sensitivity", "profile", "jackknife", "explore", "influence", "predict", "design", "posterior", "examples"),
     *("model", "models", "import", "umbridge", "agent", "hooks", "verify"),

@@ -164,6 +164,31 @@ def test_export_as_csv_and_json(
     assert "there is no folder" in message
 
 
+def test_files_are_attached_saved_and_removed(
+    service: Service, finished: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    photo, table, page = (tmp_path / name for name in ("Probe: 3.jpg", "readings.csv", "page.html"))
+    photo.write_bytes(b"\xff\xd8\xff\xe0 a photo")
+    table.write_text("1;2")
+    page.write_text("<html>")
+    command = ["attachments", "add", finished, str(photo), str(table)]
+    assert call(capsys, service, *command)[0].splitlines()[0] == f"Probe: 3.jpg is attached to {finished}"
+    assert "page.html' is of no type" in call(capsys, service, "attachments", "add", finished, str(page), code=2)[1]
+    listed = call_json(capsys, service, "attachments", "list", finished)["items"]
+    assert [(one["name"], one["size"]) for one in listed] == [("Probe: 3.jpg", 12), ("readings.csv", 3)]
+    assert "image/jpeg" in call(capsys, service, "attachments", "list", finished)[0]
+    output = ("--output", str(tmp_path / "saved"))
+    call(capsys, service, "attachments", "save", finished, *output)
+    call(capsys, service, "attachments", "save", finished, listed[1]["sha256"][:8], *output)
+    saved = {path.name: path.read_bytes() for path in (tmp_path / "saved").iterdir()}
+    assert saved == {"Probe_ 3.jpg": photo.read_bytes(), "readings.csv": b"1;2", "readings-2.csv": b"1;2"}
+    missing = call(capsys, service, "attachments", "remove", finished, "other.csv", code=2)[1]
+    assert f"has no file 'other.csv'; it has Probe: 3.jpg ({listed[0]['sha256'][:12]}), readings.csv" in missing
+    for name in ("Probe: 3.jpg", "readings.csv"):
+        assert call(capsys, service, "attachments", "remove", finished, name)[0] == f"{name} is removed\n"
+    assert call(capsys, service, "attachments", "list", finished)[0].startswith("No files.")
+
+
 def test_workers_are_listed(service: Service, finished: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert finished
     workers = call_json(capsys, service, "workers")["items"]

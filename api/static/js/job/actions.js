@@ -3,6 +3,7 @@ import { announce, confirmed, element, once } from "../dom.js";
 import { post, send } from "../http.js";
 import { leave } from "../pace.js";
 import { ENDED, OPEN } from "../states.js";
+import { attachButton } from "./attachments.js";
 import { extend } from "./extend.js";
 import { label } from "./label.js";
 
@@ -64,6 +65,7 @@ export function actions(view) {
       );
     }
     list.push(element("button", { type: "button", class: "quiet", onclick: () => label(view) }, "Tags and note …"));
+    list.push(...attachButton(view));
     list.push(element("a", { class: "button quiet", href: `/new?from=${id}` }, "Clone"));
     if (OPEN.has(state)) {
       list.push(

@@ -2,6 +2,7 @@
 import { announce, dialog, element } from "../dom.js";
 import { send } from "../http.js";
 import { renew } from "../renew.js";
+import { tagsIn } from "../format.js";
 
 export function label(view) {
   const { tags, note } = view.job;
@@ -27,10 +28,7 @@ export function label(view) {
   const made = dialog("Tags and note", form);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
-    const wanted = form.elements.tags.value
-      .split(",")
-      .map((tag) => tag.trim())
-      .filter(Boolean);
+    const wanted = tagsIn(form.elements.tags.value);
     try {
       await send("PATCH", `/jobs/${view.id}`, { tags: wanted, note: form.elements.note.value });
       made.close();
