@@ -15,7 +15,7 @@ from geoswarm.solver.column.readings import Readings
 from geoswarm.solver.column.rest import GroundAtRest
 from geoswarm.solver.element_test.cells import Cells, graded
 from geoswarm.solver.element_test.consolidation import Column, Ground, Watched, follow_loads
-from geoswarm.solver.element_test.load_paths import PointState, point_under
+from geoswarm.solver.element_test.load_paths import PointState, points_under
 from geoswarm.solver.element_test.trace import Trace
 from geoswarm.solver.errors import InfeasibleError, unknown_series
 from geoswarm.solver.forward.base import ForwardRun, SeriesInfo
@@ -296,11 +296,12 @@ class ColumnModel:
         """
         soils = {name: self._soil(name, parameters) for name in self.spec.soils}
         surcharge = self.spec.initial_surcharge
-        points = []
-        for name, full in zip(self._soil_of_cells, self._weight.tolist(), strict=True):
+        placed = {}
+        for name in dict.fromkeys(self._soil_of_cells):
+            full = self._weight[self._places[name]]
             vertical = surcharge + self.spec.soils[name].consolidated * (full - surcharge)
-            points.append((soils[name], self._placed(name, soils[name], vertical)))
-        return Column.of(points)
+            placed[name] = iter(self._placed(name, soils[name], vertical))
+        return Column.of([(soils[name], next(placed[name])) for name in self._soil_of_cells])
 
     def _soil(self, name: str, parameters: Mapping[str, float]) -> Soil:
         section = self.spec.soils[name]
@@ -311,20 +312,25 @@ class ColumnModel:
         except InfeasibleError as error:
             raise InfeasibleError(f"{name}: {error}") from None
 
-    def _placed(self, name: str, soil: Soil, vertical: float) -> PointState:
-        ratio = self.spec.soils[name].initial_ratio
+    def _placed(self, name: str, soil: Soil, vertical: FloatArray) -> list[PointState]:
+        """States under vertical stresses (m,), kPa."""
+        given = self.spec.soils[name].initial_ratio
+        ratio = soil.law.K0(soil.constants) if given == "K0" else given
+        stress = np.zeros((vertical.size, self.spec.components))
         try:
-            horizontal = horizontal_stress(vertical, None if ratio == "K0" else ratio, soil)
-            shear = [0.0] * (self.spec.components - 3)
-            state = point_under([horizontal, vertical, horizontal, *shear], soil)
+            stress[:, 1] = vertical
+            stress[:, 0] = stress[:, 2] = [horizontal_stress(one, ratio, soil) for one in vertical.tolist()]
+            states = points_under(stress, soil)
         except InfeasibleError as error:
             raise InfeasibleError(f"{name}: {error}") from None
-        if not np.isfinite(state.internal).all():
-            raise InfeasibleError(
-                f"{name}: material {soil.law.kind} has no state under {vertical:g} kPa vertical, {horizontal:g} kPa "
-                "horizontal with these parameters; another initial surcharge or unit weight, within its range"
-            )
-        return state
+        for state in states:
+            if not np.isfinite(state.internal).all():
+                raise InfeasibleError(
+                    f"{name}: material {soil.law.kind} has no state under {state.stress[1]:g} kPa vertical, "
+                    f"{state.stress[0]:g} kPa horizontal with these parameters; another initial surcharge or unit "
+                    "weight, within its range"
+                )
+        return states
 
     @cached_property
     def _watched(self) -> Watched:

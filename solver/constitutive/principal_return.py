@@ -11,7 +11,7 @@ from typing import Final
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
 from geoswarm.solver.constitutive.tensors import fill_rotation_matrix
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel, kernel_in_place
 
 __all__ = ["elastic_trial", "turned_back"]
 
@@ -44,7 +44,7 @@ def _along(axes: FloatArray, k: int) -> int:
     return -1
 
 
-@kernel
+@kernel_in_place
 def _put_back(
     returned: FloatArray,
     D: FloatArray,
@@ -71,7 +71,7 @@ def _put_back(
             tangent[shear, shear] = turning[k]
 
 
-@kernel
+@kernel_in_place
 def turned_back(
     values: FloatArray,
     returned: FloatArray,

@@ -51,13 +51,16 @@ def principal_axes(tensor: FloatArray) -> tuple[FloatArray, FloatArray]:
 @kernel
 def fill_principal_axes(tensor: FloatArray, values: FloatArray, axes: FloatArray) -> None:
     """Fill what :func:`principal_axes` returns."""
+    if tensor[3] == 0.0 and tensor[4] == 0.0 and tensor[5] == 0.0:
+        _sort_unturned(tensor[0], tensor[1], tensor[2], values, axes)
+        return
     for i in range(3):
         values[i] = tensor[i]
         for j in range(3):
             axes[i, j] = 1.0 if i == j else 0.0
     if tensor[4] != 0.0 or tensor[5] != 0.0:
         _turn_until_diagonal(tensor, values, axes)
-    elif tensor[3] != 0.0:  # one rotation
+    else:  # one rotation
         ratio = 0.5 * (tensor[1] - tensor[0]) / tensor[3]
         t = 1.0 / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
         if ratio < 0.0:
@@ -71,6 +74,23 @@ def fill_principal_axes(tensor: FloatArray, values: FloatArray, axes: FloatArray
                 values[j], values[j + 1] = values[j + 1], values[j]
                 for m in range(3):
                     axes[m, j], axes[m, j + 1] = axes[m, j + 1], axes[m, j]
+
+
+@kernel
+def _sort_unturned(a: float, b: float, c: float, values: FloatArray, axes: FloatArray) -> None:
+    """Fill sorted values and their axes, which are the coordinates; of equal ones the first stays first."""
+    i, j, k = 0, 1, 2
+    if a < b:
+        a, b, i, j = b, a, j, i
+    if b < c:
+        b, c, j, k = c, b, k, j
+        if a < b:
+            a, b, i, j = b, a, j, i
+    values[0], values[1], values[2] = a, b, c
+    for m in range(3):
+        axes[m, 0] = 1.0 if m == i else 0.0
+        axes[m, 1] = 1.0 if m == j else 0.0
+        axes[m, 2] = 1.0 if m == k else 0.0
 
 
 @kernel

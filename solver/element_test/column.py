@@ -67,7 +67,7 @@ LIFT: Final = 4
 SINK: Final = 5
 RESIST: Final = 6
 GROUND_ROWS: Final = 7
-WORK_ROWS: Final = 12
+WORK_ROWS: Final = 13
 
 _ITERATIONS: Final = 30
 _HALVINGS: Final = 8
@@ -129,6 +129,7 @@ def _residual(
     """
     work, step, tangent = room
     rest, tried, stiff, mobile, slope, length, excess = work[0], work[1], work[2], work[3], work[4], work[5], work[6]
+    before = work[12]
     data, lead, open_base, large, precision = ground
     last = tried.shape[0] - 1
     level = target if lead == BY_LOAD else 0.0
@@ -168,7 +169,7 @@ def _residual(
             above = easy * excess[j]
         elif lead == BY_SETTLEMENT:
             above = target
-        rest[j] = data[SHARE, j] * (_length(old[1][j], large) - length[j]) - above + below
+        rest[j] = data[SHARE, j] * (before[j] - length[j]) - above + below
         if data[SINK, j] > 0.0:
             taken = dt * _drained(j, data, mobile[j], length[j], large)
             rest[j] -= taken * excess[j]
@@ -283,12 +284,11 @@ def substep(
     rest, tried, way = work[0], work[1], work[11]
     count = piece.shape[0]
     log_time = math.log(dt)
-    goal = target
-    if ground[1] == BY_SETTLEMENT:  # settlement in all, so that no error of earlier steps is kept
-        for j in range(count):
-            goal -= ground[0][SHARE, j] * (1.0 - _length(old[1][j], ground[3]))
+    goal, before = target, work[12]
     for j in range(count):
-        tried[j] = piece[j]
+        tried[j], before[j] = piece[j], _length(old[1][j], ground[3])
+        if ground[1] == BY_SETTLEMENT:  # settlement in all, so that no error of earlier steps is kept
+            goal -= ground[0][SHARE, j] * (1.0 - before[j])
     worst = _residual(goal, dt, log_time, ground, old, soils, new, statuses, room)
     if not worst < math.inf:
         for j in range(count):

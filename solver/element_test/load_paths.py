@@ -24,6 +24,7 @@ __all__ = [
     "follow_load_path",
     "point_in_words",
     "point_under",
+    "points_under",
     "share_of",
 ]
 
@@ -45,21 +46,27 @@ class PointState:
 
 
 def point_under(stress: Sequence[float] | FloatArray, soil: Soil) -> PointState:
-    """Unstrained state under a stress (4,) or (6,), kPa, in which the soil is placed.
+    """Unstrained state under a stress (4,) or (6,), kPa, in which the soil is placed; raises as the next function."""
+    return points_under(np.array([stress], dtype=np.float64), soil)[0]
+
+
+def points_under(stress: FloatArray, soil: Soil) -> list[PointState]:
+    """Unstrained states under stresses (m, 4) or (m, 6), kPa, in which the soil is placed.
 
     Raises
     ------
     InfeasibleError
-        The law has no stress update for that many components.
+        The law has no stress update for that many components, or no state under a stress.
     """
-    components = np.array(stress, dtype=np.float64)
-    if components.size not in soil.law.components:
+    count = stress.shape[-1]
+    if count not in soil.law.components:
         known = " or ".join(map(str, sorted(soil.law.components)))
         raise InfeasibleError(
-            f"{soil.law.title} ({soil.law.kind}) has no stress update for element tests of {components.size} "
+            f"{soil.law.title} ({soil.law.kind}) has no stress update for element tests of {count} "
             f"components, only for {known}"
         )
-    return PointState(components, np.zeros(components.size), soil.law.initial_state(components, soil.constants))
+    internal = soil.law.initial_state(stress, soil.constants)
+    return [PointState(one, np.zeros(count), state) for one, state in zip(stress, internal, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -151,7 +158,15 @@ def share_of(places: FloatArray, duration: FloatArray, fractions: FloatArray) ->
 def between(first: FloatArray, middle: FloatArray, last: FloatArray, share: FloatArray) -> FloatArray:
     """Values (q, m) on the parabolas through beginnings, middles and ends (q, m) of steps, at parts (q,) of them."""
     x = share[:, np.newaxis]
-    values: FloatArray = first + x * (4.0 * middle - 3.0 * first - last + x * 2.0 * (first - 2.0 * middle + last))
+    bend = first - 2.0 * middle
+    bend += last
+    bend *= 2.0 * x
+    values: FloatArray = 4.0 * middle
+    values -= 3.0 * first
+    values -= last
+    values += bend
+    values *= x
+    values += first
     return values
 
 

@@ -29,14 +29,12 @@ _ITERATIONS: Final = 40
 _HALVINGS: Final = 8
 _RESIDUAL: Final = 1.0e-7
 """What is left of an equation, over the size of the stresses, when the last correction takes it to rounding."""
-_RIGHT: Final = 6
 _WIDE: Final = 11
-"""First column of right-hand sides in a system, and the number of all columns.
-
-One for a relative growth of the elastic modulus, three for unit strains, and the residual.
-"""
-_UNIT: Final = _RIGHT + 1
-_REST: Final = _WIDE - 1
+"""Most columns of a system: unknowns and right-hand sides, the residual, three unit strains, and a relative growth of
+the elastic modulus."""
+_UNIT: Final = 1
+_RIGHT: Final = 4
+"""Places of right-hand sides behind the residual."""
 
 _ROUNDS: Final = 8
 BEYOND: Final = 1.0e-10
@@ -144,17 +142,19 @@ def _system(
     edge: int,
     gamma: float,
     pressure: float,
+    cap_rate: float,
     least_old: float,
     fixed: float,
+    n: int,
     soil: HardeningSoil,
     room: Room,
     rows: FloatArray,
 ) -> float:
     """Fill the linearised equations for u (6,), principal stresses and the multipliers of shear, cap and tension.
 
-    Unknown are the stresses and the multipliers of active surfaces, n: ``rows`` (n of 6, 11), with a matrix (n, n)
-    on the left and five right-hand sides from column 6 on: stress of a relative growth of the elastic modulus, of the
-    unit principal strains, and the residual. Returns the largest residual, kPa.
+    Unknown are the stresses and the multipliers of active surfaces, n: ``rows`` (n of 6, 11), with a matrix (n, n) on
+    the left and five right-hand sides from column n on: the residual, stress of the unit principal strains, and of a
+    relative growth of the elastic modulus. Returns the largest residual, kPa.
     """
     w, k, flows = room.mean, room.k, room.flows
     E, E_s = fixed, 0.0
@@ -168,61 +168,63 @@ def _system(
     high, low, along = dot(w[0], u), dot(w[2], u), dot(k, u)
     sine, sine_high, sine_low = mobilised_dilatancy(high, low, soil)
     X = (u[0] + u[1] + u[2]) / 3.0 + soil.attraction
-    square = soil.alpha * soil.alpha
-    P = max(math.sqrt(along * along / square + X * X), 1.0e-9)
+    inverse = 1.0 / (soil.alpha * soil.alpha)
+    P = max(math.sqrt(along * along * inverse + X * X), 1.0e-9)
+    by_P = 1.0 / P
+    X_P = X * by_P
     for i in range(3):
         flows[0, i] = 0.5 * (1.0 - sine) * w[0, i] - 0.5 * (1.0 + sine) * w[2, i]
-        flows[1, i] = (k[i] * along / square + X / 3.0) / P
+        flows[1, i] = (k[i] * along * inverse + X / 3.0) * by_P
         flows[2, i] = -w[2, i]
-    volume = -sine * u[3] + X / P * u[4] - u[5]
+    volume = -sine * u[3] + X_P * u[4] - u[5]
     worst = 0.0
     for i in range(3):
         relaxed = lame * volume + twice * (u[3] * flows[0, i] + u[4] * flows[1, i] + u[5] * flows[2, i])
         rest = room.trial[i] - u[i] - E * relaxed
-        rows[i, _RIGHT] = E * (room.slope[i] - relaxed)
-        rows[i, _REST] = rest
+        rows[i, n + _RIGHT] = E * (room.slope[i] - relaxed)
+        rows[i, n] = rest
         worst = max(worst, abs(rest))
+        stiffer = (relaxed - room.slope[i]) * E_s
         for j in range(3):
             sine_j = sine_high * w[0, j] + sine_low * w[2, j]
-            bend = (k[i] * k[j] / square + 1.0 / 9.0 - flows[1, i] * flows[1, j]) / P
-            of_volume = (1.0 / 3.0 - X / P * flows[1, j]) / P
+            bend = (k[i] * k[j] * inverse + 1.0 / 9.0 - flows[1, i] * flows[1, j]) * by_P
+            of_volume = (1.0 / 3.0 - X_P * flows[1, j]) * by_P
             change = -0.5 * u[3] * (w[0, i] + w[2, i]) * sine_j + u[4] * bend
-            rows[i, j] = E * (lame * (-u[3] * sine_j + u[4] * of_volume) + twice * change)
-            rows[i, j] += (relaxed - room.slope[i]) * E_s * room.least[j]
-            rows[i, _UNIT + j] = E * (lame + twice * w[i, j])
+            rows[i, j] = E * (lame * (-u[3] * sine_j + u[4] * of_volume) + twice * change) + stiffer * room.least[j]
+            rows[i, n + _UNIT + j] = E * (lame + twice * w[i, j])
         rows[i, i] += 1.0
     at = 3
     for surface in range(3):
         if not active & (1 << surface):
             continue
-        dilation = X / P if surface == 1 else (-sine if surface == 0 else -1.0)
+        dilation = X_P if surface == 1 else (-sine if surface == 0 else -1.0)
         rest = soil.tension + low
         for i in range(3):
             rows[i, at] = E * (twice * flows[surface, i] + lame * dilation)
             rows[at, i] = -w[2, i]
             rows[at, 3 + i] = 0.0
-            rows[at, _UNIT + i] = 0.0
-        rows[at, _RIGHT] = 0.0
+        for i in range(_UNIT, _RIGHT + 1):
+            rows[at, n + i] = 0.0
         if surface == 0:
             limit, limit_low, limit_gamma = largest_shear(gamma + u[3], low, soil)
             rows[at, at], rest = -limit_gamma, limit - high + low
-            rows[at, _RIGHT] = limit_gamma * u[3] * soil.stiffening
+            rows[at, n + _RIGHT] = limit_gamma * u[3] * soil.stiffening
             for i in range(3):
                 rows[at, i] = w[0, i] - (1.0 + limit_low) * w[2, i]
         elif surface == 1:
-            cap, cap_volume = cap_pressure(pressure, u[4] * X / P, soil)
-            rows[at, at], rest = -cap_volume * X / P, cap + soil.attraction - P
+            cap, cap_volume = cap_pressure(pressure, cap_rate, u[4] * X_P, soil)
+            rows[at, at], rest = -cap_volume * X_P, cap + soil.attraction - P
             for i in range(3):
-                rows[at, i] = flows[1, i] - cap_volume * u[4] * (1.0 / 3.0 - X / P * flows[1, i]) / P
-        rows[at, _REST] = rest
+                rows[at, i] = flows[1, i] - cap_volume * u[4] * (1.0 / 3.0 - X_P * flows[1, i]) * by_P
+        rows[at, n] = rest
         worst = max(worst, abs(rest)) if rest == rest else math.inf
         at += 1
     return worst if worst == worst else math.inf
 
 
 @kernel_in_place
-def _solve(rows: FloatArray, n: int, right: int) -> bool:
-    """Put the solution of a system in the place of its right-hand sides from column ``right`` on; whether there is one.
+def _solve(rows: FloatArray, n: int, width: int) -> bool:
+    """Put the solution of a system in the place of its right-hand sides, up to column ``width``; whether there is one.
 
     Gaussian elimination as :func:`geoswarm.solver.constitutive.tensors.solve_dense` has it, in one piece of memory.
     """
@@ -233,9 +235,7 @@ def _solve(rows: FloatArray, n: int, right: int) -> bool:
         if not 0.0 < scale < math.inf:
             return False
         scale = 1.0 / scale
-        for j in range(n):
-            rows[i, j] *= scale
-        for j in range(right, _WIDE):
+        for j in range(width):
             rows[i, j] *= scale
     for i in range(n):
         pivot = i
@@ -245,26 +245,20 @@ def _solve(rows: FloatArray, n: int, right: int) -> bool:
         if not abs(rows[pivot, i]) > 1.0e-300:
             return False
         if pivot != i:
-            for j in range(i, n):
-                rows[i, j], rows[pivot, j] = rows[pivot, j], rows[i, j]
-            for j in range(right, _WIDE):
+            for j in range(i, width):
                 rows[i, j], rows[pivot, j] = rows[pivot, j], rows[i, j]
         inverse = 1.0 / rows[i, i]
-        for j in range(right, _WIDE):
-            rows[i, j] *= inverse
-        for j in range(i + 1, n):
+        for j in range(i + 1, width):
             rows[i, j] *= inverse
         for k in range(i + 1, n):
             factor = rows[k, i]
             if factor != 0.0:
-                for j in range(i + 1, n):
-                    rows[k, j] -= factor * rows[i, j]
-                for j in range(right, _WIDE):
+                for j in range(i + 1, width):
                     rows[k, j] -= factor * rows[i, j]
     for i in range(n - 2, -1, -1):
         for k in range(i + 1, n):
             factor = rows[i, k]
-            for j in range(right, _WIDE):
+            for j in range(n, width):
                 rows[i, j] -= factor * rows[k, j]
     return True
 
@@ -276,6 +270,7 @@ def _newton(
     edge: int,
     gamma: float,
     pressure: float,
+    cap_rate: float,
     least_old: float,
     size: float,
     fixed: float,
@@ -289,25 +284,26 @@ def _newton(
         way[i] = 0.0
         for j in range(_WIDE):
             rows[i, j] = 0.0
-    worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, rows)
+    worst = _system(u, active, edge, gamma, pressure, cap_rate, least_old, fixed, n, soil, room, rows)
     for _ in range(_ITERATIONS):
         last = worst <= _RESIDUAL * size  # only then the tangent is asked for
-        if not worst < math.inf or not _solve(rows, n, (_RIGHT if soil.scaled else _UNIT) if last else _REST):
+        right = (_RIGHT + 1 if soil.scaled else _RIGHT) if last else _UNIT
+        if not worst < math.inf or not _solve(rows, n, n + right):
             return False
         at = 3
         for i in range(6):
             if i < 3:
-                way[i] = rows[i, _REST]
+                way[i] = rows[i, n]
             elif active & (1 << (i - 3)):
-                way[i] = rows[at, _REST]
+                way[i] = rows[at, n]
                 at += 1
         if last:
             for i in range(6):
                 u[i] += way[i]
             for i in range(3):
-                room.stiffer[i] = rows[i, _RIGHT]
+                room.stiffer[i] = rows[i, n + _RIGHT]
                 for j in range(3):
-                    room.D[i, j] = rows[i, _UNIT + j]
+                    room.D[i, j] = rows[i, n + _UNIT + j]
             return True
         for i in range(6):
             base[i] = u[i]
@@ -315,7 +311,7 @@ def _newton(
         for _ in range(_HALVINGS):
             for i in range(6):
                 u[i] = base[i] + step * way[i]
-            worst = _system(u, active, edge, gamma, pressure, least_old, fixed, soil, room, rows)
+            worst = _system(u, active, edge, gamma, pressure, cap_rate, least_old, fixed, n, soil, room, rows)
             if worst < (1.0 - 1.0e-4 * step) * before or worst <= _RESIDUAL * size:
                 break
             step *= 0.5
@@ -329,6 +325,7 @@ def solve_on(
     edge: int,
     gamma: float,
     pressure: float,
+    cap_rate: float,
     least_old: float,
     size: float,
     careful: bool,
@@ -345,7 +342,7 @@ def solve_on(
     if careful:
         for _ in range(_ROUNDS):
             fixed = elastic_modulus(least_old, dot(room.least, u), soil)[0]
-            if not _newton(u, active, edge, gamma, pressure, least_old, size, fixed, soil, room):
+            if not _newton(u, active, edge, gamma, pressure, cap_rate, least_old, size, fixed, soil, room):
                 return False
-    found: bool = _newton(u, active, edge, gamma, pressure, least_old, size, 0.0, soil, room)
+    found: bool = _newton(u, active, edge, gamma, pressure, cap_rate, least_old, size, 0.0, soil, room)
     return found

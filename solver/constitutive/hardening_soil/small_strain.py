@@ -152,7 +152,7 @@ def _reset(H: FloatArray, values: FloatArray) -> bool:
     return any_turned
 
 
-@kernel
+@kernel_in_place
 def _turn_back(H: FloatArray, d: FloatArray) -> bool:
     """Let begin again in H what the way d turns back; whether that changed it."""
     values = local_vector(3)
@@ -223,7 +223,7 @@ def mean_stiffness(
     return _mean(first, last, turned, small), first, last, has_turned
 
 
-@kernel
+@kernel_in_place
 def _squared_slopes(history: FloatArray, d: FloatArray, of_first: FloatArray, of_last: FloatArray) -> None:
     """Fill the derivatives of |H de|^2 and |(H + de) de|^2 by de, (3, 3).
 
@@ -243,7 +243,7 @@ def _squared_slopes(history: FloatArray, d: FloatArray, of_first: FloatArray, of
             of_last[i, j] = of_first[i, j] + 2.0 * (more[i, j] + middle[i, j] + more[j, i]) + 4.0 * cube[i, j]
 
 
-@kernel
+@kernel_in_place
 def stiffness_slope(
     strain: FloatArray,
     history: FloatArray,

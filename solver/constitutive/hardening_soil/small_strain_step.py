@@ -16,6 +16,7 @@ h times; so the step of hardening soil needs to know nothing of h.
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 from geoswarm.solver.arrays import FloatArray
@@ -102,7 +103,7 @@ def small_strain_step(
         k = 1.0
     softest = state[HISTORY + SOFTEST]
     least = max(min(k, softest), 1.0)
-    h, growth = least**small.power, small.power if 1.0 < k < softest else 0.0
+    h, growth = math.exp(small.power * math.log(least)), small.power if 1.0 < k < softest else 0.0
     gamma, new_state[1], status = hardening_soil_step(
         stress, strain, state[0] / h, state[1], _stiffer(k, h, growth, soil), new, tangent, by
     )

@@ -24,6 +24,7 @@ from geoswarm.solver.constitutive.hardening_soil.principal_stresses import (
 from geoswarm.solver.constitutive.hardening_soil.surfaces import (
     HardeningSoil,
     cap_pressure,
+    cap_rate,
     elastic_modulus,
     largest_shear,
     shear_strain,
@@ -31,7 +32,7 @@ from geoswarm.solver.constitutive.hardening_soil.surfaces import (
 from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
 from geoswarm.solver.constitutive.principal_return import turned_back
 from geoswarm.solver.constitutive.tensors import fill_principal_axes, fill_rotation_matrix
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel, kernel_in_place
 
 __all__ = ["hardening_soil_step"]
 
@@ -49,21 +50,22 @@ EDGE: Final = 16
 
 
 @kernel
-def _violated(s: FloatArray, gamma: float, pressure: float, size: float, soil: HardeningSoil) -> int:
-    """Surfaces outside which sorted principal stresses are."""
+def _violated(s: FloatArray, active: int, gamma: float, pressure: float, size: float, soil: HardeningSoil) -> int:
+    """Surfaces, but for ``active`` ones, outside which sorted principal stresses are."""
     beyond = 0
-    if s[0] - s[2] - largest_shear(gamma, s[2], soil)[0] > BEYOND * size:
+    if not active & SHEAR and s[0] - s[2] - largest_shear(gamma, s[2], soil)[0] > BEYOND * size:
         beyond |= SHEAR
-    X = (s[0] + s[1] + s[2]) / 3.0 + soil.attraction
-    along = (s[0] + (soil.delta - 1.0) * s[1] - soil.delta * s[2]) / soil.alpha
-    if math.sqrt(along * along + X * X) - soil.attraction - pressure > BEYOND * size:
-        beyond |= CAP
-    if -s[2] - soil.tension > BEYOND * size:
+    if not active & CAP:
+        X = (s[0] + s[1] + s[2]) / 3.0 + soil.attraction
+        along = (s[0] + (soil.delta - 1.0) * s[1] - soil.delta * s[2]) / soil.alpha
+        if math.sqrt(along * along + X * X) - soil.attraction - pressure > BEYOND * size:
+            beyond |= CAP
+    if not active & TENSION and -s[2] - soil.tension > BEYOND * size:
         beyond |= TENSION
     return beyond
 
 
-@kernel
+@kernel_in_place
 def _split(u: FloatArray, edge: int, trial: FloatArray, E: float, size: float, soil: HardeningSoil, room: Room) -> bool:
     """Whether the flows of both sides of an edge, in some share, bring the trial stresses (3,) together."""
     if edge == 0:
@@ -88,7 +90,7 @@ def _split(u: FloatArray, edge: int, trial: FloatArray, E: float, size: float, s
     return (1.0 + soil.poisson) * float(trial[0] - u[0]) <= soil.poisson * float(total) + BEYOND * size
 
 
-@kernel
+@kernel_in_place
 def hardening_soil_step(
     stress: FloatArray,
     strain: FloatArray,
@@ -159,13 +161,13 @@ def hardening_soil_step(
     first, u = local_vector(3), local_vector(6)
     for i in range(3):
         first[i] = room.trial[i]
-    active, edge, found = _violated(first, gamma, pressure, size, soil), 0, False
+    active, edge, found = _violated(first, 0, gamma, pressure, size, soil), 0, False
     if active & SHEAR:  # mostly shear alone brings an elastic stress beyond the cut-off back; else it is found below
         active &= ~TENSION
     if active and first[0] - first[2] > BEYOND * size:  # two equal trial stresses stay equal, as in triaxial tests
         edge = 1 if first[1] - first[2] <= BEYOND * size else (2 if first[0] - first[1] <= BEYOND * size else 0)
     # The last try leads to the next one; so once more, with care; then all sets of surfaces and edges.
-    begin, tries, careful, listed = (active, edge), 0, False, -1
+    begin, tries, careful, listed, slow = (active, edge), 0, False, -1, 0.0
     for _ in range(2 * _TRIES + 32):
         if listed < 0 and tries == _TRIES:
             tries = 0
@@ -184,7 +186,9 @@ def hardening_soil_step(
         tries += 1
         for i in range(6):
             u[i] = first[i] if i < 3 else 0.0
-        if not solve_on(u, active, edge, gamma, pressure, least_old, size, careful, soil, room):
+        if active & CAP and slow == 0.0:
+            slow = cap_rate(pressure, soil)
+        if not solve_on(u, active, edge, gamma, pressure, slow, least_old, size, careful, soil, room):
             tries = _TRIES
             continue
         E, E_s = elastic_modulus(least_old, dot(room.least, u), soil)
@@ -198,7 +202,7 @@ def hardening_soil_step(
         for k in range(3):
             if u[3 + k] < -BEYOND * size / E:
                 negative |= 1 << k
-        beyond = _violated(u, gamma + u[3], pressure, size, soil) & ~active
+        beyond = _violated(u, active, gamma + u[3], pressure, size, soil)
         if negative == 0 and beyond == 0:
             if _split(u, edge, room.trial, E, size, soil, room):
                 found = True
@@ -221,13 +225,13 @@ def hardening_soil_step(
     if active & CAP:
         X = (u[0] + u[1] + u[2]) / 3.0 + soil.attraction
         along = dot(room.k, u) / soil.alpha
-        cap = cap_pressure(pressure, u[4] * X / max(math.sqrt(along * along + X * X), 1.0e-9), soil)[0]
+        cap = cap_pressure(pressure, slow, u[4] * X / max(math.sqrt(along * along + X * X), 1.0e-9), soil)[0]
     if not (cap < math.inf and after < math.inf):
         return gamma, pressure, -1
     return after, cap, status
 
 
-@kernel
+@kernel_in_place
 def _finish(
     u: FloatArray,
     edge: int,

@@ -33,6 +33,7 @@ __all__ = [
     "LEAST_STIFF",
     "HardeningSoil",
     "cap_pressure",
+    "cap_rate",
     "elastic_modulus",
     "hardening_soil_of",
     "largest_shear",
@@ -122,14 +123,19 @@ def hardening_soil_of(constants: FloatArray) -> HardeningSoil:
 
 
 @kernel
+def _stiffness(shifted: float, soil: HardeningSoil) -> float:
+    """x^m of s3 + a above 0; quicker than a power of real numbers."""
+    return math.exp(soil.power * math.log(shifted / soil.reference))
+
+
+@kernel
 def shear_strain(q: float, least: float, soil: HardeningSoil) -> float:
     """gamma of the shear surface through q at s3 = ``least``; q at most q_f."""
     shifted = least + soil.attraction
     if not (shifted > 0.0 and q > 0.0):
         return 0.0
     rest = 1.0 - q * soil.failure_ratio / (soil.strength * shifted)
-    stiff: float = (shifted / soil.reference) ** soil.power
-    return 2.0 * q / stiff * (1.0 / (soil.initial * rest) - 1.0 / soil.unloading)
+    return 2.0 * q / _stiffness(shifted, soil) * (1.0 / (soil.initial * rest) - 1.0 / soil.unloading)
 
 
 @kernel
@@ -140,7 +146,7 @@ def largest_shear(gamma: float, least: float, soil: HardeningSoil) -> tuple[floa
     """
     shifted = least + soil.attraction
     if shifted > 0.0:
-        stiff = 0.5 * soil.initial * (shifted / soil.reference) ** soil.power
+        stiff = 0.5 * soil.initial * _stiffness(shifted, soil)
         asymptote = soil.strength / soil.failure_ratio
         h, r = gamma * stiff / (asymptote * shifted), soil.initial / soil.unloading
         y, y_h = h / (1.0 - r), 1.0 / (1.0 - r)  # its tangent, for gamma below 0
@@ -154,11 +160,17 @@ def largest_shear(gamma: float, least: float, soil: HardeningSoil) -> tuple[floa
 
 
 @kernel
-def cap_pressure(pressure: float, volume: float, soil: HardeningSoil) -> tuple[float, float]:
-    """p_p after a plastic volume strain and its derivative by it; exact."""
+def cap_rate(pressure: float, soil: HardeningSoil) -> float:
+    """((p_p + a)/(p_ref + a))^(m - 1) before a step."""
+    rate: float = ((pressure + soil.attraction) / soil.reference) ** (soil.power - 1.0)
+    return rate
+
+
+@kernel
+def cap_pressure(pressure: float, slow: float, volume: float, soil: HardeningSoil) -> tuple[float, float]:
+    """p_p after a plastic volume strain and its derivative by it; exact. ``slow``: :func:`cap_rate` of the old p_p."""
     old = (pressure + soil.attraction) / soil.reference
     rate, rest = soil.hardening / soil.reference, 1.0 - soil.power
-    slow = old**-rest
     growth, stiff = rate * volume * slow, old * slow
     if rest > 1.0e-9:
         grown = max(1.0 + rest * growth, 1.0e-6)
@@ -189,6 +201,6 @@ def elastic_modulus(least_old: float, least: float, soil: HardeningSoil) -> tupl
     """Elastic modulus of a step and its derivative by the new s3."""
     shifted = 0.5 * (least_old + least) + soil.attraction
     if shifted <= LEAST_STIFF:
-        return soil.elastic * (LEAST_STIFF / soil.reference) ** soil.power, 0.0
-    modulus = soil.elastic * (shifted / soil.reference) ** soil.power
+        return soil.elastic * _stiffness(LEAST_STIFF, soil), 0.0
+    modulus = soil.elastic * _stiffness(shifted, soil)
     return modulus, 0.5 * soil.power * modulus / shifted

@@ -22,7 +22,7 @@ import math
 from typing import Final
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel_in_place
 
 __all__ = ["CLAY_CONSTANTS", "SHAPE", "clay_functions"]
 
@@ -36,7 +36,7 @@ SHAPE: Final = 0.3
 _LEAST_FRICTION: Final = 1.0e-20
 
 
-@kernel
+@kernel_in_place
 def clay_functions(
     trace: float, j: float, k: float, log_v: float, constants: FloatArray, first: int, f: FloatArray, slopes: FloatArray
 ) -> bool:
@@ -46,20 +46,23 @@ def clay_functions(
     below = 8.0 / 27.0 - (j + k) / 3.0
     if not below > 0.0:
         return False
-    F = (j - 3.0 * k) / below
+    inverse = 1.0 / below
+    F = (j - 3.0 * k) * inverse
     if not F < 1.0:
         return False
     # zeta and F_m with their derivatives by j and k.
     power = constants[first + 8]
-    zeta, zeta_j, zeta_k, F_j, F_k = 2.0 / 3.0 * power / (1.0 - power), 0.0, 0.0, 0.0, 0.0
+    share = 1.0 / (1.0 - power)
+    zeta, zeta_j, zeta_k, F_j, F_k = 2.0 / 3.0 * power * share, 0.0, 0.0, 0.0, 0.0
     if F > _LEAST_FRICTION:
-        F_j, F_k = (1.0 + F / 3.0) / below, (F / 3.0 - 3.0) / below
-        cube = math.sqrt(6.0) / (j * math.sqrt(j))
-        lode, lode_j, lode_k = 0.25 - 0.25 * cube * k, 0.375 * cube * k / j, -0.25 * cube
+        by_F, by_j = 1.0 / F, 1.0 / j
+        F_j, F_k = (1.0 + F / 3.0) * inverse, (F / 3.0 - 3.0) * inverse
+        cube = by_j * math.sqrt(6.0 * by_j)
+        lode, lode_j, lode_k = 0.25 - 0.25 * cube * k, 0.375 * cube * k * by_j, -0.25 * cube
         fourth = math.sqrt(math.sqrt(F))
         mobilised = math.exp(0.5 * xi * math.log(F))
-        left, right = 2.0 / 3.0 - lode * fourth, (power - mobilised) / (1.0 - power)
-        left_F, right_F = -0.25 * lode * fourth / F, -0.5 * xi * mobilised / F / (1.0 - power)
+        left, right = 2.0 / 3.0 - lode * fourth, (power - mobilised) * share
+        left_F, right_F = -0.25 * lode * fourth * by_F, -0.5 * xi * mobilised * by_F * share
         zeta = left * right
         zeta_j = (left_F * F_j - lode_j * fourth) * right + left * right_F * F_j
         zeta_k = (left_F * F_k - lode_k * fourth) * right + left * right_F * F_k
@@ -67,23 +70,22 @@ def clay_functions(
         F = 0.0
     # f_d/f_dA over the norm of s + zeta 1, and the derivatives of its logarithm.
     omega, log_rest = constants[first + 6] + SHAPE * (F - sine * sine), math.log(1.0 - F)
-    norm2 = j + 3.0 * zeta * zeta
-    ratio = math.exp(alpha * (math.log(trace / 3.0) - (constants[first + 3] - log_v) / slope - log_rest / omega))
-    ratio /= math.sqrt(norm2)
-    of_F = alpha * (1.0 / ((1.0 - F) * omega) + log_rest * SHAPE / (omega * omega))
-    ratio_j = of_F * F_j - (0.5 + 3.0 * zeta * zeta_j) / norm2
-    ratio_k = of_F * F_k - 3.0 * zeta * zeta_k / norm2
+    by_norm2, by_omega, by_slope = 1.0 / (j + 3.0 * zeta * zeta), 1.0 / omega, 1.0 / slope
+    ratio = math.exp(alpha * (math.log(trace / 3.0) - (constants[first + 3] - log_v) * by_slope - log_rest * by_omega))
+    ratio *= math.sqrt(by_norm2)
+    of_F = alpha * by_omega * (1.0 / (1.0 - F) + log_rest * SHAPE * by_omega)
+    ratio_j = of_F * F_j - (0.5 + 3.0 * zeta * zeta_j) * by_norm2
+    ratio_k = of_F * F_k - 3.0 * zeta * zeta_k * by_norm2
     f_s, whole = constants[first] * trace, 1.0 + 3.0 * lateral
     f[0], f[1], f[2] = f_s, f_s * lateral, 0.0
     f[3] = ratio * f_s * (zeta * whole - 1.0 / 3.0)
-    f[4] = ratio * (f_s - 3.0 * zeta * trace / slope)
-    for i in range(5):
-        slopes[i, 0] = f[i]
-        slopes[i, 1], slopes[i, 2], slopes[i, 3] = 0.0, 0.0, 0.0
-        if i > 2:
-            by_zeta = ratio * (f_s * whole if i == 3 else -3.0 * trace / slope)
-            slopes[i, 0] += alpha * f[i]
-            slopes[i, 1] = f[i] * ratio_j + by_zeta * zeta_j
-            slopes[i, 2] = f[i] * ratio_k + by_zeta * zeta_k
-            slopes[i, 3] = f[i] * alpha / slope
+    f[4] = ratio * (f_s - 3.0 * zeta * trace * by_slope)
+    for i in range(3):
+        slopes[i, 0], slopes[i, 1], slopes[i, 2], slopes[i, 3] = f[i], 0.0, 0.0, 0.0
+    for i in range(3, 5):
+        by_zeta = ratio * (f_s * whole if i == 3 else -3.0 * trace * by_slope)
+        slopes[i, 0] = (1.0 + alpha) * f[i]
+        slopes[i, 1] = f[i] * ratio_j + by_zeta * zeta_j
+        slopes[i, 2] = f[i] * ratio_k + by_zeta * zeta_k
+        slopes[i, 3] = f[i] * alpha * by_slope
     return True

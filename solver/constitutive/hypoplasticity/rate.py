@@ -12,7 +12,8 @@ from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.constitutive.hypoplasticity.clay import clay_functions
 from geoswarm.solver.constitutive.hypoplasticity.intergranular_strain import along_way
 from geoswarm.solver.constitutive.hypoplasticity.sand import sand_functions
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
+from geoswarm.solver.kernels.jit import inlined, kernel, kernel_in_place
 
 __all__ = ["CLAY", "FIRST", "MOST", "SAND", "Room", "fill_invariants", "fill_rate"]
 
@@ -29,7 +30,7 @@ _LEAST_TRACE: Final = 3.0e-4
 _HALF_ROOT: Final = math.sqrt(0.5)
 
 
-@kernel
+@kernel_in_place
 def fill_invariants(y: FloatArray, n: int, shift: float, t: FloatArray, s2: FloatArray) -> tuple[float, float, float]:
     """Fill t = sigma/tr(sigma) (6,) and s^2 (6,); return tr(sigma), s:s and tr(s^3), with p_t in the stress."""
     trace = y[0] + y[1] + y[2] + 3.0 * shift
@@ -53,21 +54,6 @@ def fill_invariants(y: FloatArray, n: int, shift: float, t: FloatArray, s2: Floa
 class Room(NamedTuple):
     """Arrays that the stages of a step share."""
 
-    t: FloatArray
-    """(6,): stress over its trace."""
-
-    s2: FloatArray
-    """(6,): square of the deviator of t."""
-
-    D: FloatArray
-    """(6,): strain rate as L sees it."""
-
-    f: FloatArray
-    """(5,): functions of the law."""
-
-    slopes: FloatArray
-    """(5, 4): their derivatives."""
-
     units: FloatArray
     """(2, 6): unit strains along the path, and across it in the plane of the old intergranular strain."""
 
@@ -76,6 +62,13 @@ class Room(NamedTuple):
 
     lead: FloatArray
     """(LEAD,): what it makes of the strain rate."""
+
+
+@inlined
+def _change(slopes: FloatArray, i: int, of_trace: float, of_j: float, of_k: float, of_e: float) -> float:
+    """Change of a function of the law."""
+    change: float = slopes[i, 0] * of_trace + slopes[i, 1] * of_j + slopes[i, 2] * of_k + slopes[i, 3] * of_e
+    return change
 
 
 @kernel
@@ -100,8 +93,9 @@ def fill_rate(
 
     Loops over three components are apart from those over the shears, so that the compiler lays them out.
     """
-    t, D, f, slopes, units, lead = room.t, room.D, room.f, room.slopes, room.units, room.lead
-    trace, j, k = fill_invariants(y, n, constants[1], t, room.s2)
+    units, lead = room.units, room.lead
+    t, s2, D, f, slopes = local_vector(6), local_vector(6), local_vector(6), local_vector(5), local_matrix(5, 4)
+    trace, j, k = fill_invariants(y, n, constants[1], t, s2)
     log_now = log_v - fraction * volume
     if not (trace > _LEAST_TRACE and log_now > 0.0):
         return False
@@ -144,12 +138,12 @@ def fill_rate(
         for i in range(3):
             b = y[first + i]
             of_t += t[i] * b
-            of_s2 += room.s2[i] * b
+            of_s2 += s2[i] * b
             of_D += D[i] * b
         for i in range(3, n):
             b = y[first + i]
             of_t += t[i] * b
-            of_s2 += room.s2[i] * b
+            of_s2 += s2[i] * b
             of_D += D[i] * b
         of_t, of_s2, of_D = of_t * inverse, of_s2 * inverse, of_D * inverse
         one = 1.0 if m < 3 else 0.0
@@ -159,12 +153,13 @@ def fill_rate(
         u0 = (lead[3] - same) * units[0, m] + lead[4] * units[1, m]
         u1 = lead[5] * units[0, m] + (lead[6] - same) * units[1, m]
         of_size = lead[8] * units[0, m] + lead[9] * units[1, m]
-        for i in range(5):
-            f[i] = slopes[i, 0] * of_trace + slopes[i, 1] * of_j + slopes[i, 2] * of_k + slopes[i, 3] * of_e
-        everywhere = D_trace * f[1] - size * f[3] - n0 * of_size + B * (same * one + trace0 * u0 + trace1 * u1)
-        along = C * (of_D - td * of_trace + same * t[m] + t0 * u0 + t1 * u1) + td * f[2] - size * f[4] - n1 * of_size
+        of_A, of_B = _change(slopes, 0, of_trace, of_j, of_k, of_e), _change(slopes, 1, of_trace, of_j, of_k, of_e)
+        of_C, of_n0 = _change(slopes, 2, of_trace, of_j, of_k, of_e), _change(slopes, 3, of_trace, of_j, of_k, of_e)
+        of_n1 = _change(slopes, 4, of_trace, of_j, of_k, of_e)
+        everywhere = D_trace * of_B - size * of_n0 - n0 * of_size + B * (same * one + trace0 * u0 + trace1 * u1)
+        along = C * (of_D - td * of_trace + same * t[m] + t0 * u0 + t1 * u1) + td * of_C - size * of_n1 - n1 * of_size
         along -= w * of_trace
-        u0, u1, of_A = A * u0, A * u1, f[0]
+        u0, u1 = A * u0, A * u1
         for i in range(3):
             straight = D[i] * of_A + units[0, i] * u0 + units[1, i] * u1
             rate[first + i] = flow * y[first + i] + t[i] * along + straight + everywhere

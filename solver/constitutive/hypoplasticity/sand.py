@@ -21,7 +21,7 @@ import math
 from typing import Final
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel_in_place
 
 __all__ = ["SAND_CONSTANTS", "sand_functions"]
 
@@ -34,7 +34,7 @@ _LINEAR: Final = 1.0e-6
 """Density (e - e_d)/(e_c - e_d) below which f_d is linear: its slope at e_d is infinite for alpha below 1."""
 
 
-@kernel
+@kernel_in_place
 def sand_functions(
     trace: float, j: float, k: float, e: float, constants: FloatArray, first: int, f: FloatArray, slopes: FloatArray
 ) -> bool:

@@ -29,7 +29,7 @@ from geoswarm.solver.constitutive.hypoplasticity.intergranular_strain import LEA
 from geoswarm.solver.constitutive.hypoplasticity.rate import CLAY, FIRST, MOST, SAND, Room, fill_invariants, fill_rate
 from geoswarm.solver.constitutive.hypoplasticity.sand import SAND_CONSTANTS
 from geoswarm.solver.constitutive.local_arrays import local_matrix, local_vector
-from geoswarm.solver.kernels.jit import kernel
+from geoswarm.solver.kernels.jit import kernel, kernel_in_place
 
 __all__ = ["CLAY", "CONSTANTS", "FIRST", "SAND", "STATE", "hypoplastic_update"]
 
@@ -74,7 +74,7 @@ _SHORT_TOLERANCE: Final = 1.0e-7
 """Error of the midpoint rule; that of Kutta's is smaller by far more than the change of stress, below _TOLERANCE."""
 
 
-@kernel
+@kernel_in_place
 def _short(
     y: FloatArray,
     n: int,
@@ -121,7 +121,7 @@ def _short(
     return True
 
 
-@kernel
+@kernel_in_place
 def _integrate(
     y: FloatArray,
     n: int,
@@ -246,22 +246,10 @@ def hypoplastic_update(
         return -1
     log_v = math.log(1.0 + e)
     y, trial, rates = local_vector(MOST), local_vector(MOST), local_matrix(6, MOST)
-    room = Room(
-        local_vector(6),
-        local_vector(6),
-        local_vector(6),
-        local_vector(5),
-        local_matrix(5, 4),
-        local_matrix(2, 6),
-        local_vector(WAY),
-        local_vector(LEAD),
-    )
+    room = Room(local_matrix(2, 6), local_vector(WAY), local_vector(LEAD))
     units, lead, way = room.units, room.lead, room.way
-    for i in range(MOST):
+    for i in range(n, n + n * n + 3):
         y[i] = 0.0
-    for stage in range(6):  # a column that is left out does not change
-        for i in range(n, n + n * n):
-            rates[stage, i] = 0.0
     for i in range(6):
         units[0, i], units[1, i] = 0.0, 0.0
     for i in range(WAY):
@@ -305,26 +293,27 @@ def hypoplastic_update(
             units[1, i] = units[1, i] / across if across > 0.0 else 0.0
         columns, turn = n, 0.0
         if n == 3 and y[0] == y[2] and units[0, 0] == units[0, 2] and units[1, 0] == units[1, 2]:
-            columns = 2  # x and z are the same
+            columns = 2  # x and z are the same: the column of z is left out, and does not change
+            for stage in range(6):
+                for i in range(9, 12):
+                    rates[stage, i] = 0.0
         if R > 0.0:
             excess = max(math.hypot(along, across), 1.0)  # beyond 1 by rounding or extrapolation
             y[n + n * n], y[n + n * n + 1] = begin_way(along / excess, across / excess, length / R, constants[5], way)
             turn = way[3]
-        if turn > 0.0 and not _integrate(
-            y, n, columns, 0.0, turn, False, length, volume, log_v, constants, room, rates, trial
-        ):
-            return -1
-        if turn < 1.0 and not _integrate(
-            y, n, columns, turn, 1.0, True, length, volume, log_v, constants, room, rates, trial
-        ):
-            return -1
+        for loading in (False, True):
+            begin, end = (turn, 1.0) if loading else (0.0, turn)
+            if begin < end and not _integrate(
+                y, n, columns, begin, end, loading, length, volume, log_v, constants, room, rates, trial
+            ):
+                return -1
         if columns == 2:
             y[9], y[10], y[11] = y[5], y[4], y[3]
         along, across = end_of_way(y[n + n * n], constants, way) if R > 0.0 else (0.0, 0.0)
     for i in range(n + n * n + 3):
         if not abs(y[i]) < math.inf:
             return -1
-    _, j, k = fill_invariants(y, n, constants[1], room.t, room.s2)
+    _, j, k = fill_invariants(y, n, constants[1], trial, rates[0])
     new_state[0] = (1.0 + e) * math.exp(-volume) - 1.0
     for i in range(6):
         h = 0.0
@@ -336,12 +325,14 @@ def hypoplastic_update(
     # Matsuoka and Nakai: sin^2 of the friction angle of a triaxial state of the same I1 I2/I3.
     square = (j - 3.0 * k) / max(8.0 / 27.0 - (j + k) / 3.0, 1.0e-30)
     new_state[7] = math.degrees(math.asin(math.sqrt(min(max(square, 0.0), 1.0))))
-    for i in range(whole):
+    for i in range(n, whole):
+        new[i] = 0.0
         for m in range(whole):
-            if i < n and m < n:
-                turned = 1.0 if i < 3 else 1.0 / _ROOT
-                tangent[i, m] = y[n + n * m + i] * (turned if m < 3 else turned / _ROOT)
-            else:
-                tangent[i, m] = 0.5 * y[n + n * n + 2] if i == m else 0.0
-        new[i] = 0.0 if i >= n else (y[i] if i < 3 else y[i] / _ROOT)
+            tangent[i, m], tangent[m, i] = 0.0, 0.0
+        tangent[i, i] = 0.5 * y[n + n * n + 2]
+    for i in range(n):
+        turned = 1.0 if i < 3 else 1.0 / _ROOT
+        new[i] = y[i] * turned
+        for m in range(n):
+            tangent[i, m] = y[n + n * m + i] * (turned if m < 3 else turned / _ROOT)
     return 0
