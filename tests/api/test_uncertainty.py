@@ -29,6 +29,11 @@ def noisy() -> dict[str, Any]:
     )
 
 
+def fit_of_a_line() -> dict[str, Any]:
+    """The same readings, searched, with an answer."""
+    return noisy() | {"method": {"kind": "particle_swarm"}, "stopping": {"max_evaluations": 60}, "answer": {}}
+
+
 def textbook(noise: float | None = None) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Standard errors of intercept and slope by the normal equations."""
     design = np.stack([np.ones_like(X), X], axis=1)
@@ -196,6 +201,41 @@ def test_posterior_agrees_with_the_linear_interval(examined: tuple[App, str, str
         assert np.diff(found["intervals"][name])[0] / 2.0 == pytest.approx(half, rel=0.1)
 
 
+def test_slices_and_contours_of_the_response_surface(examined: tuple[App, str, str]) -> None:
+    app, job, _ = examined
+    found = app.get(f"{API}/jobs/{job}/surface", params={"noise": 0.05}).json()
+    assert found["trusted"]
+    assert found["error"] < 0.05
+    assert found["objective"] < found["limit"]
+    design = np.stack([np.ones_like(X), X], axis=1)
+    for one, column in zip(found["slices"], design.T, strict=True):
+        best = found["best"][one["parameter"]]
+        rest = Y - design @ [found["best"]["a"], found["best"]["b"]]
+        for value, objective in zip(one["values"], one["objectives"], strict=True):
+            exact = float(np.mean((rest - (value - best) * column) ** 2))
+            assert objective == pytest.approx(exact, rel=0.02)
+    contours = found["contours"]
+    assert (contours["x"], contours["y"]) == ("a", "b")
+    assert np.shape(contours["objectives"]) == (len(contours["y_values"]), len(contours["x_values"]))
+    assert len(found["runs"]["objectives"]) == found["evaluations"]
+    turned = app.get(f"{API}/jobs/{job}/surface", params={"x": "b"}).json()["contours"]
+    assert (turned["x"], turned["y"]) == ("b", "a")
+    refused = app.get(f"{API}/jobs/{job}/surface", params={"x": "c"})
+    assert refused.status_code == 422
+    assert "'c' is no free parameter; there are a, b" in refused.json()["detail"]
+
+
+def test_the_surface_of_an_answered_search_has_the_runs_of_its_answer(engine: Engine) -> None:
+    app = App(engine.service)
+    job = app.post(f"{API}/jobs", json=fit_of_a_line()).json()["id"]
+    ended = wait_for_end(engine.service, job)
+    found = app.get(f"{API}/jobs/{job}/surface").json()
+    assert ended.search_evaluations is not None
+    assert ended.evaluations > ended.search_evaluations
+    assert found["evaluations"] > ended.search_evaluations
+    assert found["best"] == pytest.approx(ended.parameters)
+
+
 def test_a_follow_up_of_another_question_is_not_taken(examined: tuple[App, str, str], engine: Engine) -> None:
     app, job, follow_up = examined
     other = app.get(f"{API}/jobs/{follow_up}/problem").json()
@@ -218,6 +258,9 @@ def test_what_cannot_be_followed_up(app: App) -> None:
     missing = app.post(f"{API}/jobs/{queued}/sensitivity", json={"at": {"a": 1.0}})
     assert "at: b is missing; free: a, b" in missing.json()["detail"]
     assert app.get(f"{API}/jobs/{queued}/posterior").status_code == 422
+    few_runs = app.get(f"{API}/jobs/{queued}/surface")
+    assert few_runs.status_code == 422
+    assert "a response surface needs 30 different evaluations, there are 0" in few_runs.json()["detail"]
     for path in ("sensitivity", "profile", "global-sensitivity"):
         assert app.post(f"{API}/jobs/0123456789abcdef/{path}").status_code == 404
     single = line_problem(observations=[{"series": "y", "points": {"x": [1], "y": [3]}}])
@@ -229,7 +272,13 @@ def test_what_cannot_be_followed_up(app: App) -> None:
 
 def test_answers_are_described(app: App) -> None:
     paths = app.get("/openapi.json").json()["paths"]
-    for path, method in (("statistics", "get"), ("reweight", "post"), ("uncertainty", "get"), ("posterior", "get")):
+    for path, method in (
+        ("statistics", "get"),
+        ("reweight", "post"),
+        ("uncertainty", "get"),
+        ("posterior", "get"),
+        ("surface", "get"),
+    ):
         operation = paths[f"{API}/jobs/{{job_id}}/{path}"][method]
         schema = operation["responses"]["200"]["content"]["application/json"]["schema"]
         assert schema["$ref"].endswith("Answer")

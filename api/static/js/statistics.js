@@ -15,6 +15,7 @@ import { fetchPoints } from "./statistics/points.js";
 import { rangeForm } from "./statistics/ranges.js";
 import { ThresholdSlider } from "./statistics/threshold.js";
 import { Uncertainty } from "./statistics/uncertainty.js";
+import { Surface } from "./statistics/surface.js";
 import { correlationTable, verdictCards } from "./statistics/verdicts.js";
 import { Weights } from "./statistics/weights.js";
 import { ENDED } from "./states.js";
@@ -35,7 +36,7 @@ async function load() {
   if (["predict", "design"].includes(method)) return looksAhead(); // nothing there is compared with readings
   const verdicts = fitted === "true" ? judged(view.asked) : null; // begun early where an answer is sure
   verdicts?.catch(() => {}); // reported below, after the points
-  const [points, { parameters: values }] = await Promise.all([fetchPoints(job), get(`/jobs/${job}`)]);
+  const [points, { parameters: values, state: now }] = await Promise.all([fetchPoints(job), get(`/jobs/${job}`)]);
   if (!points.count || !values) {
     place("nothing").textContent = "No evaluation has succeeded yet, so there is nothing to judge.";
     return;
@@ -50,6 +51,11 @@ async function load() {
   view.responses = null;
   view.threshold ??= firstThreshold(view.cloud);
   build(points, values);
+  place("surface").hidden = !ENDED.has(now);
+  if (ENDED.has(now)) {
+    parts.surface ??= new Surface(place("surface"), { job, parameters: points.parameters, unit: parts.unit });
+    parts.surface.show();
+  }
   showCloud();
   const [statistics] = await Promise.all([verdicts ?? judged(view.asked), band(points)]);
   if (!statistics) return;
