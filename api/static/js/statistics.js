@@ -1,7 +1,7 @@
 // What is identified, how well, and what to do next.
 import { alarm } from "./alarm.js";
 import { announce, connection, element, exchange } from "./dom.js";
-import { count, number, objectiveUnit } from "./format.js";
+import { count, number, objectiveUnit, typeset } from "./format.js";
 import { address, get } from "./http.js";
 import { addressValues, setAddressValues } from "./place.js";
 import { COLOURS } from "./scales.js";
@@ -71,7 +71,7 @@ async function looksAhead() {
   const found = await get(`/jobs/${job}/uncertainty`);
   for (const part of place("content").children) part.hidden = part.id !== "outlook";
   place("content").hidden = false;
-  place("nothing").textContent = found.notes.join(" ");
+  place("nothing").textContent = typeset(found.notes.join(" "));
   place("nothing").hidden = !found.notes.length;
   parts.outlook ??= new Outlook(place("outlook"), { job, maySubmit: false });
   parts.outlook.show(found);
@@ -296,11 +296,11 @@ function showStatistics(statistics) {
   const { threshold, verdicts, correlations, fit } = statistics;
   const warnings = [...(fit.kind === "untested" ? [fit.sentence] : []), ...statistics.warnings]; // all else is in the alarm
   place("alarm").replaceChildren(...alarm(fit, job));
-  parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;
+  parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${typeset(threshold.explanation)}`;
   const start = parts.plan ? (kind) => parts.uncertainty.start(kind) : null;
   const steps = [...(fit.kind === "untested" ? fit.what_to_do : []), ...statistics.basins.what_to_do];
   place("warnings").replaceChildren(
-    ...warnings.map((text) => element("li", {}, text)),
+    ...warnings.map((text) => element("li", {}, typeset(text))),
     ...followUps(steps).map((step) => element("li", {}, step)),
   );
   place("verdicts").replaceChildren(...verdictCards(verdicts, parts.units, parts.plan, start));

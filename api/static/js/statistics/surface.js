@@ -1,6 +1,6 @@
 // What the response surface of the stored runs says: importance, contours of two parameters, slices of all; no further runs.
 import { announce, element, empty, exchange } from "../dom.js";
-import { amount, count, number, percent, symbol, withUnit } from "../format.js";
+import { amount, count, number, percent, symbol, typeset, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
 import { COLOURS, tickText } from "../scales.js";
@@ -39,7 +39,7 @@ export class Surface {
       const { message } = error;
       for (const place of Object.values(this.places)) place.replaceChildren();
       this.plots = {};
-      return exchange(this.said, empty(`${message[0].toUpperCase()}${message.slice(1).replace(/\.$/, "")}.`));
+      return exchange(this.said, empty(`${message[0].toUpperCase()}${typeset(message.slice(1)).replace(/\.$/, "")}.`));
     }
     this.tell();
     if (this.found.importance) this.figure("importance", "What matters most?", () => this.importance());
