@@ -35,6 +35,7 @@ test("sentences of the service have the letters and the powers of ten of the pag
     typeset("the series philosophy and my_lambda_star, phi_s"),
     "the series philosophy and my_lambda_star, phi_s",
   );
+  assert.equal(typeset("its 95 % interval"), "its 95\u00a0% interval");
 });
 
 test("ends of an interval differ in their last digits, however narrow it is", () => {

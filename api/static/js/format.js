@@ -131,11 +131,12 @@ const SYMBOLS = {
 const POWERS = /(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?![\w.]*\w)/g;
 const NAMES = new RegExp(`(?<!\\w)(${Object.keys(SYMBOLS).join("|")})(?!\\w)`, "g");
 
-/** A sentence of the service as the page writes names and numbers: λ* and 1.45·10⁻⁸ for lambda_star and 1.45e-08. */
+/** A sentence of the service as the page writes names and numbers: λ* and 1.45·10⁻⁸ for lambda_star and 1.45e-08; 95 % is not broken. */
 export function typeset(text) {
   return text
     .replace(POWERS, (_, mantissa, exponent) => scientific(mantissa, exponent))
-    .replace(NAMES, (name) => SYMBOLS[name]);
+    .replace(NAMES, (name) => SYMBOLS[name])
+    .replace(/(?<=\d) %/g, "\u00a0%");
 }
 
 /** A parameter's label in the field's letters; names with a part before a dot keep it. */
