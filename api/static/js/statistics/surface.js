@@ -8,7 +8,9 @@ import { COLOURS, tickText } from "../scales.js";
 const LEVELS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 const OTHERS = "run, with other values of the rest";
 const NARROW = 720,
-  ROW = 240; // px
+  ROW = 240,
+  PAIR = 560,
+  TOP = { narrow: 1000, wide: 420 }; // px
 
 /** How far the surface misses f. */
 function missed(error) {
@@ -29,6 +31,13 @@ export class Surface {
     this.plots = {};
     holder.append(this.said, ...Object.values(this.places));
     this.holder = holder;
+    this.narrow = () => holder.clientWidth < NARROW;
+    this.columns = () => Math.min(this.narrow() ? 1 : 3, this.names.length);
+    const rows = Math.ceil(this.names.length / this.columns());
+    holder.style.setProperty(
+      "min-height",
+      `${TOP[this.narrow() ? "narrow" : "wide"] + (this.names.length > 1 ? PAIR : 0) + ROW * rows}px`,
+    ); // else what is below moves
   }
 
   /** Read it again: the runs are others now. */
@@ -39,6 +48,7 @@ export class Surface {
       const { message } = error;
       for (const place of Object.values(this.places)) place.replaceChildren();
       this.plots = {};
+      this.holder.style.removeProperty("min-height");
       return exchange(this.said, empty(`${message[0].toUpperCase()}${typeset(message.slice(1)).replace(/\.$/, "")}.`));
     }
     this.tell();
@@ -232,8 +242,7 @@ export class Surface {
 
   slices() {
     const { slices, best, objective, limit, runs, trusted } = this.found;
-    const wanted = this.places.slices.clientWidth < NARROW ? 1 : 3;
-    const columns = Math.min(wanted, slices.length);
+    const columns = this.columns();
     const rows = Math.ceil(slices.length / columns);
     const ratios = slices.map(({ objectives }) => this.ratios(objectives));
     const drawn = ratios.flat().filter((ratio) => ratio !== null);
@@ -242,7 +251,7 @@ export class Surface {
     const [blue, orange] = palette();
     const layout = {
       height: ROW * rows + 60,
-      grid: { rows, columns, pattern: "independent", xgap: 0.16, ygap: 0.42 / rows + 0.1 },
+      grid: { rows, columns, pattern: "independent", xgap: 0.16, ygap: 0.45 },
       showlegend: true,
     };
     const data = [];
@@ -326,7 +335,7 @@ export class Surface {
       ],
       layout: {
         height: 90 + 32 * shares.length,
-        xaxis: { title: { text: "share of the variation of log f over what is shown [%]" }, range: [0, 105] },
+        xaxis: { title: { text: "share of the variation [%]" }, range: [0, 118] },
         yaxis: { type: "category", showgrid: false },
         bargap: 0.35,
       },
