@@ -38,7 +38,7 @@ _ALWAYS = re.compile(
     r"/api/v1/(?:"
     r"problems/(?:check|warm-starts|read|tests)|measurements(?:/(?:points|ags(?:/problem)?))?|forward-models(?:/[^/]+)?"
     r"|jobs/[^/]+/(?:fit|diagrams|points|statistics|reweight|report\.(?:html|pdf)|figures(?:/[^/]+)?|sensitivity|profile"
-    r"|jackknife|explore|predict|design|follow-ups|global-sensitivity|uncertainty|posterior|mesh(?:/fields)?)"
+    r"|jackknife|explore|predict|design|follow-ups|global-sensitivity|uncertainty|posterior|surface|mesh(?:/fields)?)"
     r")"
 )
 _CHANGES = {"POST": re.compile(r"/api/v1/jobs"), "PATCH": re.compile(r"/api/v1/jobs/[^/]+")}

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from geoswarm.records.job import Generation
+from geoswarm.solver.words import power_of_ten
 
 __all__ = ["LEFT", "PLOT_WIDTH", "RIGHT", "Convergence", "convergence"]
 
@@ -48,6 +49,6 @@ def convergence(views: Sequence[Generation]) -> Convergence | None:
     return Convergence(
         best=" ".join(corners),
         generations=[place(n, f) for n, f in own if math.isfinite(f)],
-        y_ticks=[(place(0, 10.0**power)[1], f"1e{power}") for power in range(low, high + 1, decade)],
+        y_ticks=[(place(0, 10.0**power)[1], power_of_ten("1", str(power))) for power in range(low, high + 1, decade)],
         x_ticks=[(place(n, 10.0**low)[0], str(n)) for n in (0, last // 2, last)],
     )

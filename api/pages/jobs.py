@@ -14,7 +14,7 @@ from geoswarm.api.dependencies import Service
 from geoswarm.api.pages.shell import number, render
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, JOB_STATES, OPEN_STATES
-from geoswarm.solver.words import FITS, ends, interval_digits, verdict_in_words
+from geoswarm.solver.words import FITS, interval_digits, verdict_in_words
 from geoswarm.workers.queries.job_list import JobFilters, SortKey
 
 __all__ = ["BADGES", "SPARK_HEIGHT", "SPARK_WIDTH", "router", "sparkline"]
@@ -66,8 +66,8 @@ def found(job: Job) -> list[FoundValue]:
     values = []
     for name in job.free_parameters[:MOST_PARAMETERS]:
         value, interval = job.parameters[name], (job.intervals or {}).get(name)
-        told = () if interval is None else ends(*interval, plain=True)
         digits = 4 if interval is None else interval_digits(*interval)
+        told = tuple(number(end, digits) for end in interval or ())
         doubt = None
         if bound := (job.at_bounds or {}).get(name):
             doubt = f"at its {bound} bound"

@@ -17,14 +17,14 @@ from geoswarm.api.errors import DetailError
 from geoswarm.api.headers import PLOT_POLICY
 from geoswarm.records.job import Job
 from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES, OPEN_STATES
-from geoswarm.solver.words import number as plain_number
+from geoswarm.solver.words import number as number_in_words
 
 __all__ = ["error_page", "number", "progress", "render", "words"]
 
 
 def number(value: float | None, digits: int = 4) -> str:
     """A number for readers; a dash for None."""
-    return "–" if value is None else plain_number(value, digits, plain=True)  # as the scripts write it
+    return number_in_words(value, digits).replace("−", "-")  # as the scripts write it
 
 
 def size(value: int) -> str:

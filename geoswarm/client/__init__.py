@@ -42,7 +42,7 @@ from geoswarm.records.problem import ForwardModelSummary as ForwardModelInfo
 from geoswarm.records.record import Page
 from geoswarm.records.service import Health, Operations, Session, Worker
 from geoswarm.records.statistics import ReweightAnswer, SeriesShare, StatisticsAnswer, WeightShare
-from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
+from geoswarm.records.uncertainty import PosteriorAnswer, SurfaceAnswer, UncertaintyAnswer
 
 __all__ = [
     "AsyncClient",
@@ -86,6 +86,7 @@ __all__ = [
     "SeriesShare",
     "Session",
     "StatisticsAnswer",
+    "SurfaceAnswer",
     "TestRun",
     "UncertaintyAnswer",
     "WarmStart",

@@ -11,7 +11,7 @@ client reads answers into them. Fields as in the HTTP contract; units kN, m, day
 ``fit``          measured points with what was calculated there
 ``remedy``       what to do about a finding
 ``statistics``   what the stored evaluations of a job tell
-``uncertainty``  what its follow-ups have found, a sample of the posterior
+``uncertainty``  what its follow-ups have found, a sample of the posterior, the response surface
 ``arrays``       how arrays are read and written
 ``progress``     how far a job is within its generation, and what its follow-ups would cost
 ``account``      what an owner sets up in a service: API keys with their roles, hooks

@@ -1,4 +1,4 @@
-"""How sure the parameters of a job are: what follow-ups have found, and a sample of the posterior."""
+"""How sure the parameters of a job are: what follow-ups have found, a sample of the posterior, the response surface."""
 
 from __future__ import annotations
 
@@ -20,6 +20,10 @@ __all__ = [
     "Prediction",
     "PredictionBasin",
     "Profile",
+    "SurfaceAnswer",
+    "SurfaceContours",
+    "SurfaceRuns",
+    "SurfaceSlice",
     "UncertaintyAnswer",
 ]
 
@@ -192,3 +196,54 @@ class PosteriorAnswer:
     surface_error: float = described("error of the log-likelihood by the hold-out check")
     trusted: bool
     warnings: list[str]
+
+
+@record(closed=True)
+class SurfaceSlice:
+    """Objective over one parameter, the others as in the best run; null where the surface does not know it."""
+
+    parameter: str
+    values: list[float]
+    objectives: list[Number]
+
+
+@record(closed=True)
+class SurfaceContours:
+    """Objective over two parameters, the others as in the best run; null where the surface does not know it."""
+
+    x: str
+    y: str
+    x_values: list[float]
+    y_values: list[float]
+    objectives: list[list[Number]] = described("a row for each of y_values")
+
+
+@record(closed=True)
+class SurfaceRuns:
+    """Stored runs that the surface is fitted to, and failed ones."""
+
+    parameters: dict[str, list[float]]
+    objectives: list[Number] = described("null of a failed run")
+
+
+@record(closed=True)
+class SurfaceAnswer:
+    """Slices and contours of the response surface of the stored evaluations, through the best of them."""
+
+    evaluations: int = described("that the surface is fitted to")
+    error: Number = described(
+        "root mean square error of the objective of runs left out of the fit, over the objective (over limit where it "
+        "is smaller)"
+    )
+    checked: int = described("number of those: runs that span what is shown")
+    trusted: bool = described("whether that error is small enough: otherwise the surface is said to know nothing")
+    best: dict[str, float]
+    objective: float = described("of the best run")
+    limit: float = described("objective up to which the data cannot tell a fit from the best one at 95 %")
+    importance: dict[str, float] | None = described(
+        "share of each parameter in the variation of the logarithm of the objective over what is shown; null where too "
+        "little of it is known"
+    )
+    slices: list[SurfaceSlice]
+    contours: SurfaceContours | None = described("null with one free parameter")
+    runs: SurfaceRuns

@@ -88,7 +88,7 @@ def test_convergence_steps_down_inside_the_plot() -> None:
     assert plot is not None
     xs = [float(value) for value in re.findall(r"[MH]([\d.]+)", plot.best)]
     assert xs == pytest.approx([LEFT + (PLOT_WIDTH - LEFT - RIGHT) * share for share in (1 / 3, 2 / 3, 1)], abs=0.06)
-    assert [label for _, label in plot.y_ticks] == ["1e-3", "1e-2", "1e-1", "1e0", "1e1"][: len(plot.y_ticks)]
+    assert [label for _, label in plot.y_ticks] == ["10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹"][: len(plot.y_ticks)]
     assert len(plot.generations) == 3
 
 
@@ -99,7 +99,7 @@ def test_nothing_to_draw(views: list[Generation]) -> None:
 
 def test_numbers_for_readers() -> None:
     assert (number(None), number(0.000123456), number(12.0)) == ("–", "0.0001235", "12")
-    assert (number(2.453e-9), number(-1.0e12)) == ("2.453e-9", "-1e12")
+    assert (number(2.453e-9), number(-1.0e12)) == ("2.453·10⁻⁹", "-1·10¹²")
 
 
 @pytest.mark.parametrize(

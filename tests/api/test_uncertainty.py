@@ -218,6 +218,9 @@ def test_what_cannot_be_followed_up(app: App) -> None:
     missing = app.post(f"{API}/jobs/{queued}/sensitivity", json={"at": {"a": 1.0}})
     assert "at: b is missing; free: a, b" in missing.json()["detail"]
     assert app.get(f"{API}/jobs/{queued}/posterior").status_code == 422
+    few_runs = app.get(f"{API}/jobs/{queued}/surface")
+    assert few_runs.status_code == 422
+    assert "a response surface needs 30 different evaluations, there are 0" in few_runs.json()["detail"]
     for path in ("sensitivity", "profile", "global-sensitivity"):
         assert app.post(f"{API}/jobs/0123456789abcdef/{path}").status_code == 404
     single = line_problem(observations=[{"series": "y", "points": {"x": [1], "y": [3]}}])
@@ -229,7 +232,13 @@ def test_what_cannot_be_followed_up(app: App) -> None:
 
 def test_answers_are_described(app: App) -> None:
     paths = app.get("/openapi.json").json()["paths"]
-    for path, method in (("statistics", "get"), ("reweight", "post"), ("uncertainty", "get"), ("posterior", "get")):
+    for path, method in (
+        ("statistics", "get"),
+        ("reweight", "post"),
+        ("uncertainty", "get"),
+        ("posterior", "get"),
+        ("surface", "get"),
+    ):
         operation = paths[f"{API}/jobs/{{job_id}}/{path}"][method]
         schema = operation["responses"]["200"]["content"]["application/json"]["schema"]
         assert schema["$ref"].endswith("Answer")

@@ -200,7 +200,7 @@ def _(service: Service, key: str) -> None:
 def _(service: Service, key: str) -> None:
     attacker = Attacker(service, key)
     job = attacker.finished(line(30, 400))
-    for what in ("posterior", "statistics", "points", "report.html", "uncertainty"):
+    for what in ("posterior", "surface", "statistics", "points", "report.html", "uncertainty"):
         attacker.many(12, "GET", f"{API}/jobs/{job}/{what}")
 
 
@@ -273,7 +273,7 @@ def _(service: Service, key: str) -> None:
     attacker = Attacker(service, key)
     job = attacker.finished(line())
     for number in ("1e-300", "1e300", "nan", "inf", "-1", "1e308", "9" * 400):
-        for what in ("statistics", "posterior", "uncertainty"):
+        for what in ("statistics", "posterior", "surface", "uncertainty"):
             attacker.ask("GET", f"{API}/jobs/{job}/{what}", params={"noise": number, "threshold": number})
         attacker.ask("POST", f"{API}/jobs", content=b'{"seed": ' + number.encode() + b"}")
 

@@ -50,7 +50,8 @@ REFUSED = {
 }
 """Jobs by the field that is beyond what can be squared."""
 NUMBERS = (5e-324, 1e-300, 1e-150, 1.0, 1e150, 1e300, 1.7e308)
-GETS = ("", "/evaluations", "/statistics", "/uncertainty", "/posterior", "/figures", "/fit", "/points", "/report.html")
+PAGES = ("/figures", "/fit", "/points", "/report.html")
+GETS = ("", "/evaluations", "/statistics", "/uncertainty", "/posterior", "/surface", *PAGES)
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +86,7 @@ def test_what_is_asked_without_numbers(app: App, path: str, what: str) -> None:
     [
         *itertools.product(("/statistics", "/uncertainty"), ("noise", "threshold")),
         ("/posterior", "threshold"),
+        ("/surface", "noise"),
         pytest.param("/posterior", "noise", marks=pytest.mark.slow),  # a sample for each number
     ],
 )

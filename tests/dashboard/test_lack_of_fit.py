@@ -36,6 +36,20 @@ def bent(embedded: Site) -> str:
     return ended(embedded.service, document)
 
 
+def test_a_bound_that_is_touched_is_widened_from_the_alarm(embedded: Site, visit: Visit, bent: str) -> None:
+    """Its button was below the alarm and the parameters, off the first screen."""
+    document = embedded.service.problem(bent) | {"name": "a slope that is limited"}
+    document["parameters"]["b"] = {"lower": 0.0, "upper": 1.5}
+    page, _ = visit(embedded, f"/jobs/{ended(embedded.service, document)}")
+    step = page.locator("#alarm #next").get_by_role("button", name="Widen the upper bound of b and recalculate")
+    expect(step).to_be_visible(timeout=SOON)
+    box, table = step.bounding_box(), page.locator("#parameters").bounding_box()
+    assert box is not None
+    assert table is not None
+    assert box["y"] + box["height"] < table["y"]
+    check_accessibility(page)
+
+
 @pytest.mark.parametrize("path", ["", "/statistics"])
 def test_the_pages_begin_with_what_is_wrong(embedded: Site, visit: Visit, bent: str, path: str) -> None:
     page, _ = visit(embedded, f"/jobs/{bent}{path}")

@@ -110,6 +110,17 @@ def test_the_slider_counts_as_the_service_does_and_verdicts_follow(embedded: Sit
     expect(page.locator("#fit")).to_contain_text(f"{chosen(page)} chosen")
 
 
+def test_the_slider_keeps_its_width_while_it_is_dragged(page: Page) -> None:
+    """What stands beside it grows with the number of good fits."""
+    widths = []
+    for value in (100, 500, 1000):
+        slide(page, value)
+        box = page.locator("#threshold").bounding_box()
+        assert box is not None
+        widths.append(box["width"])
+    assert widths == pytest.approx([widths[0]] * 3, abs=0.5)
+
+
 def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit(page: Page) -> None:
     slide(page, 900)
     before = chosen(page)

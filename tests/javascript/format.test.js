@@ -14,13 +14,28 @@ import {
   percent,
   precise,
   symbol,
+  typeset,
 } from "../../api/static/js/format.js";
 
 test("numbers have significant digits, in powers of ten only where these are shorter", () => {
   assert.deepEqual(
     [0, 0.0123456, 123456.7, 1234567, -2.5e-7, null, NaN].map((one) => number(one)),
-    ["0", "0.01235", "123500", "1.235e6", "-2.5e-7", "–", "–"],
+    ["0", "0.01235", "123500", "1.235·10⁶", "-2.5·10⁻⁷", "–", "–"],
   );
+});
+
+test("sentences of the service have the letters and the powers of ten of the page", () => {
+  assert.equal(
+    typeset(
+      "Widen the upper bound of soil.lambda_star to 1.45e-08 (objective 4.9e-9, not 1e-3): nu_ur of stage2e1 stays.",
+    ),
+    "Widen the upper bound of soil.λ* to 1.45·10⁻⁸ (objective 4.9·10⁻⁹, not 10⁻³): ν_ur of stage2e1 stays.",
+  );
+  assert.equal(
+    typeset("the series philosophy and my_lambda_star, phi_s"),
+    "the series philosophy and my_lambda_star, phi_s",
+  );
+  assert.equal(typeset("its 95 % interval"), "its 95\u00a0% interval");
 });
 
 test("ends of an interval differ in their last digits, however narrow it is", () => {

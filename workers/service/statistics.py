@@ -13,10 +13,14 @@ from sqlalchemy import Connection
 
 from geoswarm.solver.arrays import FloatArray
 from geoswarm.solver.calibration import Calibration, Evaluation
-from geoswarm.solver.identifiability import Linearisation, Samples, reweight
+from geoswarm.solver.identifiability import Linearisation, Samples, StatisticsError, reweight
+from geoswarm.solver.identifiability.noise import known_noise, problem_noise
+from geoswarm.solver.identifiability.optimum.basins import equivalent_objective
 from geoswarm.solver.identifiability.stored.findings import Findings, answer_of, findings_of, join_findings
 from geoswarm.solver.identifiability.stored.follow_ups import follow_up_of, same_question
 from geoswarm.solver.identifiability.stored.posterior import Posterior, sample_posterior
+from geoswarm.solver.identifiability.stored.slices import SurfaceView, view_surface
+from geoswarm.solver.identifiability.stored.surface import ResponseSurface, fit_surface
 from geoswarm.solver.identifiability.weighting import Weighting
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.answer import Answer
@@ -59,11 +63,16 @@ KnownNoise: TypeAlias = Mapping[str, float] | float | None
 
 @dataclass(frozen=True, slots=True)
 class StoredJob:
-    """A job read for its statistics; ``answer``: state and evaluations of the runs after its search."""
+    """A job read for its statistics.
+
+    ``failed``: places of the failed runs of its search, natural values, shape (k, d); ``answer``: state and evaluations
+    of the runs after it.
+    """
 
     problem: Problem
     record: RunRecord
     samples: Samples
+    failed: FloatArray
     answer: tuple[Answer, list[Evaluation]] | None = None
 
 
@@ -191,6 +200,41 @@ class StatisticsService:
             lambda: sample_posterior(calibration, job.samples, noise=noise),
         )
 
+    def surface(
+        self, job_id: str, *, x: str | None = None, y: str | None = None, noise: KnownNoise = None
+    ) -> SurfaceView:
+        """Cut the response surface of the stored evaluations through the best run; no forward run.
+
+        Parameters
+        ----------
+        x, y
+            Parameters of the contours; the first ones when None.
+
+        Raises
+        ------
+        StatisticsError
+            When there are too few evaluations for a surface, or a name is not that of a free parameter.
+        """
+        job = self.stored(job_id)
+        follow_up = follow_up_of(job.problem)
+        if follow_up is not None and not follow_up.compares:
+            raise StatisticsError("nothing is fitted here, so there is no objective to draw")
+        calibration = Calibration(job.problem, job.record.seed)
+
+        def make() -> tuple[ResponseSurface, Samples, FloatArray]:
+            found, failed = job.samples, job.failed
+            if job.answer is not None:
+                after = job.answer[1]
+                found = Samples.merge([found, Samples.from_evaluations(job.problem, after)])
+                failed = np.concatenate([failed, *(one.parameters[None] for one in after if one.objective is None)])
+            return fit_surface(calibration, found), found, failed
+
+        surface, samples, failed = self._cache.once((*self._key(job_id), "surface"), make)
+        known = problem_noise(job.problem) if noise is None else known_noise(job.problem, noise)
+        lowest = float(samples.objectives[samples.best])
+        limit = equivalent_objective(calibration, lowest, known, self.linearisation(job_id, noise=noise))
+        return view_surface(calibration, surface, samples, failed, limit, x=x, y=y)
+
     def _linearise_stored(self, job_id: str, job: StoredJob, noise: KnownNoise) -> Linearisation | None:
         return self._cache.once(
             (*self._key(job_id), "linearisation", _hashable(noise)),
@@ -271,7 +315,7 @@ def _read(connection: Connection, row: Any) -> StoredJob:
     problem = problem_of(stored.problem, stored.stopping)
     progress = jobs.get_progress(connection, job_id)
     answer = None if progress is None else progress.answer
-    samples, failures = _samples(connection, row, problem, None if answer is None else answer.generation)
+    samples, failures, failed = _samples(connection, row, problem, None if answer is None else answer.generation)
     after = None if answer is None else (answer, evaluations_in_order(connection, job_id, answer.generation))
     recorded = recorded_versions(row)
     record = RunRecord(
@@ -291,11 +335,13 @@ def _read(connection: Connection, row: Any) -> StoredJob:
         versions=recorded[0],
         warnings=version_warnings(recorded),
     )
-    return StoredJob(problem, record, samples, after)
+    return StoredJob(problem, record, samples, failed, after)
 
 
-def _samples(connection: Connection, row: Any, problem: Problem, end: int | None) -> tuple[Samples, dict[str, int]]:
-    """Successful evaluations and failures of a search, which ends before generation ``end``."""
+def _samples(
+    connection: Connection, row: Any, problem: Problem, end: int | None
+) -> tuple[Samples, dict[str, int], FloatArray]:
+    """Successful evaluations of a search, which ends before generation ``end``; its failures and their places."""
     series = [observation.series for observation in problem.observations]
     points = sum(observation.x.size for observation in problem.observations)
     most = max(min(MOST_READ, MOST_VALUES // points), 1)
@@ -303,6 +349,7 @@ def _samples(connection: Connection, row: Any, problem: Problem, end: int | None
     every = _every(row, numbers, most)
     best = (row.best_generation, row.best_particle)
     failures: Counter[str] = Counter()
+    failed: list[FloatArray] = []
     places: list[tuple[int, int]] = []
     parameters: list[FloatArray] = []
     objectives: list[float] = []
@@ -311,6 +358,7 @@ def _samples(connection: Connection, row: Any, problem: Problem, end: int | None
     for place, found in enumerate(read_evaluations(connection, row.id, numbers)):
         if found.state == "failed":
             failures[found.reason] += 1
+            failed.append(unpack_array(found.parameters))
         key = (found.generation, found.particle)
         searched = end is None or found.generation < end
         if found.state != "finished" or not searched or (place % every and key != best):
@@ -340,7 +388,7 @@ def _samples(connection: Connection, row: Any, problem: Problem, end: int | None
         failed=failures.total(),
         left_out=left_out,
     )
-    return samples, dict(failures)
+    return samples, dict(failures), np.array(failed).reshape(-1, samples.dimension)
 
 
 def _every(row: Any, numbers: Sequence[int] | None, most: int) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Header, Request, Response
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
 
 from geoswarm.api.dependencies import JobId, Service, problems_of
 from geoswarm.api.schemas.statistics import (
@@ -23,7 +23,7 @@ from geoswarm.api.schemas.statistics import (
 from geoswarm.api.views import Noise, read_record
 from geoswarm.records.job import Job
 from geoswarm.records.progress import FollowUpCosts
-from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
+from geoswarm.records.uncertainty import PosteriorAnswer, SurfaceAnswer, UncertaintyAnswer
 from geoswarm.solver.problem import read_document
 
 __all__ = ["router"]
@@ -142,6 +142,18 @@ def uncertainty(job_id: JobId, service: Service, noise: Noise) -> UncertaintyAns
 def posterior(job_id: JobId, service: Service, noise: Noise) -> PosteriorAnswer:
     """Sample the posterior through a checked response surface of the stored evaluations; takes seconds, once."""
     return read_record(PosteriorAnswer, service.statistics.posterior(job_id, noise=noise).to_json())
+
+
+@router.get("/surface", responses=problems_of(404, 422))
+def surface(
+    job_id: JobId,
+    service: Service,
+    noise: Noise,
+    x: Annotated[str | None, Query(max_length=200, description="across; the first free parameter if absent")] = None,
+    y: Annotated[str | None, Query(max_length=200, description="upwards; the next free parameter if absent")] = None,
+) -> SurfaceAnswer:
+    """Cut the response surface of the stored evaluations through the best run: slices, contours, importance."""
+    return read_record(SurfaceAnswer, service.statistics.surface(job_id, x=x, y=y, noise=noise).to_json())
 
 
 def _read(given: dict[str, Any] | str) -> dict[str, Any]:

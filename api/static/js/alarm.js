@@ -1,5 +1,6 @@
 // What stands before everything: where the model does not describe the data, by how much, and what to do.
 import { element } from "./dom.js";
+import { typeset } from "./format.js";
 import { recalculations, remedyWords } from "./remedies.js";
 
 /** Kinds of verdicts, on the fit and on parameters, with which intervals do not hold. */
@@ -8,10 +9,13 @@ const SIGNS = { doubtful: "?", gross_error: "!" };
 
 /** Whether intervals do not hold, and what to say beside them; empty where nothing is wrong. */
 export function doubt(fit) {
-  return fit && WRONG.has(fit.kind) && !fit.tests ? fit.headline : "";
+  return fit && WRONG.has(fit.kind) && !fit.tests ? typeset(fit.headline) : "";
 }
 
-/** The elements of the alarm of a verdict on the fit of a job; none where nothing is wrong. With a link to its problem, or not. */
+/**
+ * The elements of the alarm of a verdict on the fit of a job; none where nothing is wrong. With a link to its problem, or not.
+ * Its `.step` is the place of a next step that would be far below.
+ */
 export function alarm(fit, job, link = true) {
   if (!fit?.headline) return [];
   const may = document.body.dataset.maySubmit === "true";
@@ -25,8 +29,9 @@ export function alarm(fit, job, link = true) {
       element(
         "div",
         {},
-        element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${fit.headline}`),
-        element("p", {}, fit.sentence),
+        element("h2", {}, `${SIGNS[fit.kind] ?? "≠"} ${typeset(fit.headline)}`),
+        element("p", {}, typeset(fit.sentence)),
+        element("div", { class: "step" }),
         editable
           ? element("p", {}, element("a", { class: "button quiet", href: `/new?from=${job}` }, "Change the problem"))
           : null,

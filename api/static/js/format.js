@@ -1,13 +1,18 @@
 // Numbers, units and times for readers.
 
-/** A number with this number of significant digits, `1.2e-5` where that is shorter; a dash for what is not a number. */
+/** A number with this number of significant digits, `1.2·10⁻⁵` where that is shorter; a dash for what is not a number. */
 export function number(value, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
   if (size >= 1e-3 && size < 1e6) return String(Number(value.toPrecision(digits)));
-  const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
-  return `${Number(mantissa)}e${Number(exponent)}`;
+  return scientific(...value.toExponential(digits - 1).split("e"));
+}
+
+/** A power of ten with its factor, both given as text: 1.45·10⁻⁸. */
+export function scientific(mantissa, exponent) {
+  const raised = [...String(Number(exponent))].map((sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]).join("");
+  return Number(mantissa) === 1 ? `10${raised}` : `${String(Number(mantissa))}·10${raised}`;
 }
 
 /** Both ends of an interval, with as many digits as its width needs, `least` at least: "2.3481 … 2.3519". */
@@ -122,6 +127,17 @@ const SYMBOLS = {
   nu: "ν",
   nu_ur: "ν_ur",
 };
+
+const POWERS = /(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?![\w.]*\w)/g;
+const NAMES = new RegExp(`(?<!\\w)(${Object.keys(SYMBOLS).join("|")})(?!\\w)`, "g");
+
+/** A sentence of the service as the page writes names and numbers: λ* and 1.45·10⁻⁸ for lambda_star and 1.45e-08; 95 % is not broken. */
+export function typeset(text) {
+  return text
+    .replace(POWERS, (_, mantissa, exponent) => scientific(mantissa, exponent))
+    .replace(NAMES, (name) => SYMBOLS[name])
+    .replace(/(?<=\d) %/g, "\u00a0%");
+}
 
 /** A parameter's label in the field's letters; names with a part before a dot keep it. */
 export function symbol(name) {

@@ -76,6 +76,7 @@ function dressed(layout) {
     hoverlabel: { bgcolor: colour("--raised"), bordercolor: edge, font: { color: ink } },
     modebar: { bgcolor: "rgba(0,0,0,0)", color: muted, activecolor: ink },
     hovermode: "closest",
+    separators: ".\u202f",
   };
   const dress = merged(base, layout);
   for (const name of new Set([

@@ -1,7 +1,7 @@
 // What to do about a finding, in the words of the dashboard: names of fields, and buttons for what the service does itself.
 import { BUTTONS, affordable } from "./costs.js";
 import { element, once } from "./dom.js";
-import { count, number, plain } from "./format.js";
+import { count, number, plain, typeset } from "./format.js";
 import { get, post } from "./http.js";
 
 const FIELDS = { x_from: "“From”", x_to: "“To”", leave_out_stages: "“Stages to leave out”" };
@@ -111,7 +111,7 @@ export function recalculations(remedy, job) {
 
 /** A remedy in the words of the dashboard. */
 export function remedyWords(remedy) {
-  return WORDS[remedy.kind]?.(remedy) ?? remedy.text;
+  return WORDS[remedy.kind]?.(remedy) ?? typeset(remedy.text);
 }
 
 /** Follow-ups among remedies, in words, with a button each where they can be started here. */

@@ -1,5 +1,7 @@
 // What plots share: round values for an axis, fewer items where not all can be shown, and colours.
 
+import { scientific } from "./format.js";
+
 // Colours of a quantity from low to high: the part of viridis that is visible on white and on black, as in the report.
 export const COLOURS = [
   "#46327e",
@@ -41,14 +43,12 @@ function range(first, last, step) {
   return Array.from({ length: Math.max(0, Math.floor((last - first) / step) + 1) }, (_, n) => first + n * step);
 }
 
-/** A tick as short text: 1e-3, 0.01, 25. */
+/** A tick as short text: 10⁻³, 0.01, 25. */
 export function tickText(value) {
   if (value === 0) return "0";
   const size = Math.abs(value);
   if (size >= 1e-2 && size < 1e5) return String(Number(value.toPrecision(3)));
-  const [digits, power] = value.toExponential(1).split("e");
-  const raised = [...String(Number(power))].map((sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]).join("");
-  return Number(digits) === 1 ? `10${raised}` : `${Number(digits)}·10${raised}`;
+  return scientific(...value.toExponential(1).split("e"));
 }
 
 /** At most about `most` of the items, evenly chosen, with the first, the last, and (by `keep`) all that matter. */

@@ -1,7 +1,7 @@
 // What is identified, how well, and what to do next.
 import { alarm } from "./alarm.js";
 import { announce, connection, element, exchange } from "./dom.js";
-import { count, number, objectiveUnit } from "./format.js";
+import { count, number, objectiveUnit, typeset } from "./format.js";
 import { address, get } from "./http.js";
 import { addressValues, setAddressValues } from "./place.js";
 import { COLOURS } from "./scales.js";
@@ -15,6 +15,7 @@ import { fetchPoints } from "./statistics/points.js";
 import { rangeForm } from "./statistics/ranges.js";
 import { ThresholdSlider } from "./statistics/threshold.js";
 import { Uncertainty } from "./statistics/uncertainty.js";
+import { Surface } from "./statistics/surface.js";
 import { correlationTable, verdictCards } from "./statistics/verdicts.js";
 import { Weights } from "./statistics/weights.js";
 import { ENDED } from "./states.js";
@@ -35,7 +36,7 @@ async function load() {
   if (["predict", "design"].includes(method)) return looksAhead(); // nothing there is compared with readings
   const verdicts = fitted === "true" ? judged(view.asked) : null; // begun early where an answer is sure
   verdicts?.catch(() => {}); // reported below, after the points
-  const [points, { parameters: values }] = await Promise.all([fetchPoints(job), get(`/jobs/${job}`)]);
+  const [points, { parameters: values, state: now }] = await Promise.all([fetchPoints(job), get(`/jobs/${job}`)]);
   if (!points.count || !values) {
     place("nothing").textContent = "No evaluation has succeeded yet, so there is nothing to judge.";
     return;
@@ -50,6 +51,11 @@ async function load() {
   view.responses = null;
   view.threshold ??= firstThreshold(view.cloud);
   build(points, values);
+  place("surface").hidden = !ENDED.has(now);
+  if (ENDED.has(now)) {
+    parts.surface ??= new Surface(place("surface"), { job, parameters: points.parameters, unit: parts.unit });
+    parts.surface.show();
+  }
   showCloud();
   const [statistics] = await Promise.all([verdicts ?? judged(view.asked), band(points)]);
   if (!statistics) return;
@@ -65,7 +71,7 @@ async function looksAhead() {
   const found = await get(`/jobs/${job}/uncertainty`);
   for (const part of place("content").children) part.hidden = part.id !== "outlook";
   place("content").hidden = false;
-  place("nothing").textContent = found.notes.join(" ");
+  place("nothing").textContent = typeset(found.notes.join(" "));
   place("nothing").hidden = !found.notes.length;
   parts.outlook ??= new Outlook(place("outlook"), { job, maySubmit: false });
   parts.outlook.show(found);
@@ -290,11 +296,11 @@ function showStatistics(statistics) {
   const { threshold, verdicts, correlations, fit } = statistics;
   const warnings = [...(fit.kind === "untested" ? [fit.sentence] : []), ...statistics.warnings]; // all else is in the alarm
   place("alarm").replaceChildren(...alarm(fit, job));
-  parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${threshold.explanation}`;
+  parts.slider.why.textContent = `f ≤ ${number(threshold.value, 4)}${parts.unit ? ` ${parts.unit}` : ""}: ${typeset(threshold.explanation)}`;
   const start = parts.plan ? (kind) => parts.uncertainty.start(kind) : null;
   const steps = [...(fit.kind === "untested" ? fit.what_to_do : []), ...statistics.basins.what_to_do];
   place("warnings").replaceChildren(
-    ...warnings.map((text) => element("li", {}, text)),
+    ...warnings.map((text) => element("li", {}, typeset(text))),
     ...followUps(steps).map((step) => element("li", {}, step)),
   );
   place("verdicts").replaceChildren(...verdictCards(verdicts, parts.units, parts.plan, start));

@@ -24,7 +24,7 @@ from geoswarm.client.calls import (
 )
 from geoswarm.records.job import Job
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
-from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
+from geoswarm.records.uncertainty import PosteriorAnswer, SurfaceAnswer, UncertaintyAnswer
 
 __all__ = [
     "design",
@@ -37,6 +37,7 @@ __all__ = [
     "reweight",
     "sensitivity",
     "statistics",
+    "surface",
     "uncertainty",
 ]
 
@@ -331,6 +332,28 @@ async def posterior(self: AsyncConnection, job_id: str, *, noise: Noise = None) 
     2.0
     """
     return await self._send(Call("GET", f"{job_path(job_id)}/posterior", reader(PosteriorAnswer), noise_query(noise)))
+
+
+async def surface(
+    self: AsyncConnection, job_id: str, *, x: str | None = None, y: str | None = None, noise: Noise = None
+) -> SurfaceAnswer:
+    """Cut the response surface of the stored evaluations through the best run: slices, contours; no forward run.
+
+    Parameters
+    ----------
+    x, y
+        Parameters of the contours; the first ones when None.
+    noise
+        Known standard deviation of a reading, base units.
+
+    Examples
+    --------
+    >>> view = await client.surface(job.id, x="a", y="b")
+    >>> view.contours.x, view.contours.y
+    ('a', 'b')
+    """
+    query = {**present(x=x, y=y), **noise_query(noise)}
+    return await self._send(Call("GET", f"{job_path(job_id)}/surface", reader(SurfaceAnswer), query))
 
 
 async def _submit_follow_up(

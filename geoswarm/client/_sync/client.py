@@ -93,6 +93,7 @@ class Client(Connection):
     global_sensitivity = analysis.global_sensitivity
     uncertainty = analysis.uncertainty
     posterior = analysis.posterior
+    surface = analysis.surface
     report = reports.report
     report_pdf = reports.report_pdf
     figures = reports.figures

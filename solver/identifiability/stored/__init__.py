@@ -8,6 +8,7 @@
 ``verdicts``            identified, bounded on one side, in combination, not identified
 ``proposals``           fix, link, widen, add a test; as changes of the problem file
 ``surface``             response surface over stored evaluations, checked by hold-out
+``slices``               slices and contours of the objective through the best run, from the response surface
 ``linearised``          sensitivities from stored evaluations
 ``posterior``           posterior sample through a checked response surface
 ``global_sensitivity``  Sobol and Morris indices (extra ``statistics``)

@@ -7,11 +7,11 @@ basis function with a linear trend over the parameters in parts of their range. 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from geoswarm.solver.arrays import FloatArray, IntArray
+from geoswarm.solver.arrays import BoolArray, FloatArray, IntArray
 from geoswarm.solver.calibration import Calibration
 from geoswarm.solver.identifiability.errors import StatisticsError
 from geoswarm.solver.identifiability.samples import Samples
@@ -19,6 +19,8 @@ from geoswarm.solver.objective import LeastSquares
 
 if TYPE_CHECKING:
     from scipy.interpolate import RBFInterpolator
+
+    _Fitted: TypeAlias = "tuple[FloatArray, FloatArray, RBFInterpolator]"
 
 __all__ = ["ResponseSurface", "fit_surface"]
 
@@ -38,38 +40,49 @@ class ResponseSurface:
     ----------
     names
         Of the d free parameters.
+    runs
+        Rows of the samples that it was fitted to, the best first.
     lower, upper
         Region it was fitted in, shape (d,), parts of the range; it must not be used outside.
-    count
-        Evaluations it was fitted to.
     objective_error
         Root mean square of (predicted - calculated f) over those of the hold-out evaluations that are good fits
         (below four times the best objective, at least 20), relative to their f.
     checked
         Number of those.
+    predicted
+        f of each run by a surface that was fitted without it, shape (count,).
     """
 
     names: tuple[str, ...]
+    runs: IntArray
     lower: FloatArray
     upper: FloatArray
-    count: int
     objective_error: float
     checked: int
-    _mean: FloatArray
-    _components: FloatArray
-    _interpolator: RBFInterpolator
+    predicted: FloatArray
+    _whole: _Fitted
+    _parts: tuple[_Fitted, ...]
     _objective: LeastSquares
+
+    @property
+    def count(self) -> int:
+        """Evaluations it was fitted to."""
+        return len(self.runs)
 
     def residuals(self, unit: FloatArray) -> FloatArray:
         """Weighted residuals without losses, shape (k, n), at points (k, d) in parts of the range."""
-        scores = self._interpolator(unit)
-        return np.asarray(self._mean + scores @ self._components)
+        return _residuals(self._whole, unit)
 
     def objective(self, unit: FloatArray) -> FloatArray:
         """f, shape (k,), at points (k, d) in parts of the range."""
-        return np.asarray(np.sum(self._objective.with_losses(self.residuals(unit)) ** 2, axis=1))
+        return _objectives(self._whole, unit, self._objective)
 
-    def inside(self, unit: FloatArray) -> FloatArray:
+    def spread(self, unit: FloatArray) -> FloatArray:
+        """Largest difference of f from the surfaces that were fitted without a fifth of the runs, shape (k,)."""
+        here = self.objective(unit)
+        return np.asarray(np.max([np.abs(_objectives(p, unit, self._objective) - here) for p in self._parts], axis=0))
+
+    def inside(self, unit: FloatArray) -> BoolArray:
         """Whether points (k, d) lie in the fitted region, shape (k,)."""
         return np.asarray(((unit >= self.lower) & (unit <= self.upper)).all(axis=1))
 
@@ -92,18 +105,18 @@ def fit_surface(calibration: Calibration, samples: Samples, *, seed: int = 0) ->
     objective = calibration.objective
     residuals = objective.plain_residuals({o.series: samples.responses[o.series][order] for o in objective.observed})
     objectives = samples.objectives[order]
-    error, checked = _hold_out(unit, residuals, objectives, objective, seed)
-    mean, components, interpolator = _fit(unit, residuals)
+    predicted, parts = _hold_out(unit, residuals, objective, seed)
+    error, checked = _error(predicted, objectives)
     return ResponseSurface(
         samples.names,
+        order,
         unit.min(axis=0),
         unit.max(axis=0),
-        len(unit),
         error,
         checked,
-        mean,
-        components,
-        interpolator,
+        predicted,
+        _fit(unit, residuals),
+        parts,
         objective,
     )
 
@@ -130,7 +143,7 @@ def _chosen(calibration: Calibration, samples: Samples) -> IntArray:
     return np.asarray(order)
 
 
-def _fit(unit: FloatArray, residuals: FloatArray) -> tuple[FloatArray, FloatArray, RBFInterpolator]:
+def _fit(unit: FloatArray, residuals: FloatArray) -> _Fitted:
     from scipy.interpolate import RBFInterpolator  # takes most of a second to import
 
     mean = residuals.mean(axis=0)
@@ -141,15 +154,31 @@ def _fit(unit: FloatArray, residuals: FloatArray) -> tuple[FloatArray, FloatArra
     return mean, right[:count], RBFInterpolator(unit, scores, kernel="cubic", degree=1)
 
 
+def _residuals(fitted: _Fitted, unit: FloatArray) -> FloatArray:
+    mean, components, interpolator = fitted
+    return np.asarray(mean + interpolator(unit) @ components)
+
+
+def _objectives(fitted: _Fitted, unit: FloatArray, objective: LeastSquares) -> FloatArray:
+    return np.asarray(np.sum(objective.with_losses(_residuals(fitted, unit)) ** 2, axis=1))
+
+
 def _hold_out(
-    unit: FloatArray, residuals: FloatArray, objectives: FloatArray, objective: LeastSquares, seed: int
-) -> tuple[float, int]:
+    unit: FloatArray, residuals: FloatArray, objective: LeastSquares, seed: int
+) -> tuple[FloatArray, tuple[_Fitted, ...]]:
+    """f of each run by the surface that was fitted without it, shape (k,), and these surfaces."""
     fold = np.random.default_rng(seed).permutation(len(unit)) % _FOLDS
     predicted = np.empty(len(unit))
+    parts = []
     for number in range(_FOLDS):
         held = fold == number
-        mean, components, interpolator = _fit(unit[~held], residuals[~held])
-        predicted[held] = np.sum(objective.with_losses(mean + interpolator(unit[held]) @ components) ** 2, axis=1)
+        parts.append(_fit(unit[~held], residuals[~held]))
+        predicted[held] = _objectives(parts[-1], unit[held], objective)
+    return predicted, tuple(parts)
+
+
+def _error(predicted: FloatArray, objectives: FloatArray) -> tuple[float, int]:
+    """Relative error of good fits, and how many there are."""
     good = objectives <= max(4.0 * float(objectives.min()), float(np.sort(objectives)[min(19, len(objectives) - 1)]))
     with np.errstate(over="ignore"):  # infinite where objectives are too far apart
         relative = predicted[good] / np.maximum(objectives[good], 1e-300) - 1.0

@@ -18,7 +18,7 @@ from geoswarm.client.calls import read_json
 from geoswarm.records.fit import FitCurve, FitSeries
 from geoswarm.records.job import Job
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
-from geoswarm.records.uncertainty import PosteriorAnswer, UncertaintyAnswer
+from geoswarm.records.uncertainty import PosteriorAnswer, SurfaceAnswer, UncertaintyAnswer
 from geoswarm.solver.report.jsonable import jsonable
 from geoswarm.workers.hosts.engine import Engine
 from tests.api.conftest import API, App, live_server, wait_for_end
@@ -89,6 +89,7 @@ def test_the_client_reads_statistics_as_records_with_all_that_is_answered(engine
             (StatisticsAnswer, client.statistics(job), app.get(f"{path}/statistics").json()),
             (UncertaintyAnswer, client.uncertainty(job), app.get(f"{path}/uncertainty").json()),
             (PosteriorAnswer, client.posterior(job), app.get(f"{path}/posterior").json()),
+            (SurfaceAnswer, client.surface(job, x="b"), app.get(f"{path}/surface", params={"x": "b"}).json()),
             (
                 ReweightAnswer,
                 client.reweight(job, weights={"y": 2.0}),

@@ -1,7 +1,7 @@
 // The answer in words, and the table of parameters: both from the statistics, so that they never disagree with these.
 import { alarm, doubt } from "../alarm.js";
 import { announce, element, empty, exchange, svg, tableHead } from "../dom.js";
-import { amount, ends, number, plain, precise, symbol, withUnit } from "../format.js";
+import { amount, ends, number, plain, precise, symbol, typeset, withUnit } from "../format.js";
 import { get } from "../http.js";
 import { ENDED } from "../states.js";
 import { materialButtons } from "./copy.js";
@@ -179,7 +179,7 @@ export function answer(view) {
               {
                 class: `verdict ${verdict.kind}`,
                 href: `/jobs/${view.id}/statistics#verdict-${name}`,
-                title: verdict.reason,
+                title: typeset(verdict.reason),
               },
               verdict.words,
             )
@@ -244,7 +244,7 @@ export function answer(view) {
         ),
       ),
       given(infos),
-      level ? element("p", { class: "help" }, view.statistics.basins.sentence) : null,
+      level ? element("p", { class: "help" }, typeset(view.statistics.basins.sentence)) : null,
       endedShort(view)
         ? element(
             "p",

@@ -1,7 +1,7 @@
 // One next step, with what it takes: what the data can tell, how far to trust it, then the report.
 import { FOLLOW_UPS, affordable, costWords } from "../costs.js";
 import { element, exchange, once } from "../dom.js";
-import { percent, symbol } from "../format.js";
+import { percent, symbol, typeset } from "../format.js";
 import { get, post } from "../http.js";
 import { recalculate, withParameters } from "../remedies.js";
 import { OPEN } from "../states.js";
@@ -24,13 +24,13 @@ export function proposed({ linearisation, fit, basins, verdicts }, bounds = []) 
     };
   const wider = widening(verdicts);
   if (wider) {
-    const { parameter, changes, sentence: why } = wider;
+    const { parameter, changes, sentence } = wider;
     const searched = bounds.find(({ name }) => name === parameter);
     const side = searched && (changes.parameters[parameter].lower < searched.lower ? "lower" : "upper");
     return {
       kind: "again",
       words: `Widen the ${side ? `${side} bound` : "bounds"} of ${symbol(parameter)}`,
-      why,
+      why: typeset(sentence),
       change: (problem) => withParameters(problem, changes.parameters),
     };
   }
@@ -72,7 +72,16 @@ export function proposed({ linearisation, fit, basins, verdicts }, bounds = []) 
 export function nextStep(view, place, onFound) {
   const may = document.body.dataset.maySubmit === "true";
   const message = element("p", { class: "error", role: "alert" });
+  const home = place.parentNode,
+    after = place.nextElementSibling;
   let timer = null;
+
+  /** Below a long alarm a step would be off the first screen: what is changed by it is part of what to do. */
+  function settle(step) {
+    const inside = step?.change && document.querySelector("#alarm .step");
+    if (inside) inside.append(place);
+    else home.insertBefore(place, after);
+  }
 
   async function begin(step, cost) {
     message.textContent = "";
@@ -130,9 +139,10 @@ export function nextStep(view, place, onFound) {
 
   return {
     async show() {
-      if (view.statistics.fit.kind === "lack_of_fit" && document.querySelector("#alarm button"))
-        return void exchange(place); // the step is there
-      const step = proposed(view.statistics, view.fit?.parameters);
+      const there = view.statistics.fit.kind === "lack_of_fit" && document.querySelector("#alarm button");
+      const step = there ? null : proposed(view.statistics, view.fit?.parameters);
+      settle(step);
+      if (there) return void exchange(place);
       const why = element("p", { class: "help" }, step.why);
       if (step.kind === null)
         return void exchange(
@@ -162,10 +172,10 @@ export function nextStep(view, place, onFound) {
       } catch (error) {
         message.textContent = error.message;
       }
-      if (cost?.refused) return void exchange(place, element("p", { class: "help" }, cost.refused));
+      if (cost?.refused) return void exchange(place, element("p", { class: "help" }, typeset(cost.refused)));
       const button = element(
         "button",
-        { type: "button", onclick: () => once(button, () => begin(step, cost)) },
+        { type: "button", title: step.why, onclick: () => once(button, () => begin(step, cost)) },
         `${step.words}${step.change ? " and recalculate" : ""}`,
         cost ? element("small", {}, costWords(cost)) : null,
       );

@@ -1,5 +1,6 @@
 // Why a job failed, in one step, with the first failed evaluation at hand.
 import { announce, element } from "../dom.js";
+import { typeset } from "../format.js";
 import { get } from "../http.js";
 import { openEvaluation } from "./evaluation.js";
 
@@ -23,7 +24,7 @@ export function outcome(view) {
     const now = JSON.stringify([job.error, job.failed_evaluations, job.warnings]);
     if (now === shown) return;
     shown = now;
-    warnings.replaceChildren(...job.warnings.map((text) => element("li", {}, text)));
+    warnings.replaceChildren(...job.warnings.map((text) => element("li", {}, typeset(text))));
     const failed = job.failed_evaluations;
     const why = failed
       ? element(

@@ -1,6 +1,6 @@
 // What comes next: predictions with the uncertainty of what was identified, and which test to do next.
 import { element, once, tableHead, wide } from "../dom.js";
-import { amount, direction, number, partOf, percent, plain, symbol, withUnit } from "../format.js";
+import { amount, direction, number, partOf, percent, plain, symbol, typeset, withUnit } from "../format.js";
 import { get, post } from "../http.js";
 import { DASHES, colour, palette, plot } from "../plot.js";
 
@@ -141,12 +141,12 @@ export class Outlook {
   }
 
   band(prediction) {
-    const warning = prediction.alarm ? [element("p", { class: "error" }, prediction.alarm)] : [];
+    const warning = prediction.alarm ? [element("p", { class: "error" }, typeset(prediction.alarm))] : [];
     const tests = [...new Set(prediction.series.map(({ series }) => partOf(series)))];
     return [
       element("h3", {}, `Prediction: ${prediction.name}`),
       ...warning,
-      ...prediction.remarks.map((text) => element("p", { class: "help" }, text)),
+      ...prediction.remarks.map((text) => element("p", { class: "help" }, typeset(text))),
       ...tests.map((test) => this.test(prediction, test, tests.length > MOST_OPEN)),
     ];
   }
@@ -226,7 +226,7 @@ export class Outlook {
     );
     return [
       element("h3", {}, "Which test next"),
-      ...(design.alarm ? [element("p", { class: "error" }, design.alarm)] : []),
+      ...(design.alarm ? [element("p", { class: "error" }, typeset(design.alarm))] : []),
       element(
         "p",
         {},
@@ -241,7 +241,7 @@ export class Outlook {
           element("tbody", {}, rows),
         ),
       ),
-      ...design.remarks.map((text) => element("p", { class: "help" }, text)),
+      ...design.remarks.map((text) => element("p", { class: "help" }, typeset(text))),
     ];
   }
 }

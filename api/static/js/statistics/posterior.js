@@ -1,6 +1,6 @@
 // The posterior of the parameters: sampled on request through a response surface of the stored evaluations.
 import { element, exchange, failure, once, tableHead, wide } from "../dom.js";
-import { count, ends, number, percent, symbol } from "../format.js";
+import { count, ends, number, percent, symbol, typeset } from "../format.js";
 import { get } from "../http.js";
 
 /** A button that samples the posterior of a job, and what it gives. `units`: by parameter. */
@@ -36,7 +36,7 @@ export function posterior(job, units) {
       element(
         "ul",
         { class: "notes" },
-        warnings.map((text) => element("li", {}, `${text[0].toUpperCase()}${text.slice(1)}.`)),
+        warnings.map((text) => element("li", {}, `${text[0].toUpperCase()}${typeset(text.slice(1))}.`)),
       ),
       wide(
         "Posterior",

@@ -71,7 +71,7 @@ export class ThresholdSlider {
       : (threshold - this.low) / (this.high - this.low);
     this.slider.value = String(Math.round(STEPS * Math.max(0, Math.min(1, share))));
     this.slider.setAttribute("aria-valuetext", `${number(threshold, 3)} ${this.unit}`);
-    if (document.activeElement !== this.exact) this.exact.value = number(threshold, 4);
+    if (document.activeElement !== this.exact) this.exact.value = String(Number(threshold.toPrecision(4)));
   }
 
   /** Say how many are chosen. */

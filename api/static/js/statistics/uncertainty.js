@@ -2,7 +2,7 @@
 import { doubt } from "../alarm.js";
 import { BUTTONS, FOLLOW_UPS, affordable, costWords } from "../costs.js";
 import { element, exchange, once, tableHead, wide } from "../dom.js";
-import { count, ends, number, percent, symbol } from "../format.js";
+import { count, ends, number, percent, symbol, typeset } from "../format.js";
 import { get, post } from "../http.js";
 import { colour, palette, plot } from "../plot.js";
 import { ENDED, OPEN } from "../states.js";
@@ -212,7 +212,7 @@ export class Uncertainty {
   intervals({ linearisation, jackknife, notes, fit }) {
     const remarks = [
       ...this.withoutTests(jackknife ?? linearisation?.without_tests, Boolean(jackknife)),
-      ...notes.map((text) => element("p", { class: "help" }, text)),
+      ...notes.map((text) => element("p", { class: "help" }, typeset(text))),
     ];
     if (!linearisation)
       return [element("p", { class: "empty" }, "No sensitivities at the optimum have been evaluated yet."), ...remarks];
@@ -223,7 +223,7 @@ export class Uncertainty {
         element("th", { scope: "row" }, `${symbol(name)}${this.units[name] === "-" ? "" : ` [${this.units[name]}]`}`),
         element("td", { class: "n" }, number(at.value, 5)),
         element("td", { class: "n" }, number(at.standard_error, 3)),
-        element("td", {}, at.interval ? `${ends(...at.interval)}${basisOf(at)}` : (at.why_no_interval ?? "–")),
+        element("td", {}, at.interval ? `${ends(...at.interval)}${basisOf(at)}` : typeset(at.why_no_interval ?? "–")),
         element("td", { class: "n" }, number(at.influence, 3)),
       ),
     );
@@ -341,8 +341,8 @@ export class Uncertainty {
         shapes: [{ ...line, xref: "paper", x0: 0, x1: 1, y0: limit, y1: limit }, ...marks],
         showlegend: false,
       },
-      label: `Profile of ${parameter}; dashed: the limit, dotted: the ends of the interval`,
-      columns: { [parameter]: values, [f]: objectives },
+      label: `Profile of ${symbol(parameter)}; dashed: the limit, dotted: the ends of the interval`,
+      columns: { [symbol(parameter)]: values, [f]: objectives },
     };
   }
 

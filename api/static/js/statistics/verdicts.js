@@ -1,6 +1,6 @@
 // What the data say about each parameter, in words, with the evidence and what to do about it.
 import { element, tableHead, wide } from "../dom.js";
-import { coefficient as fixed, count, ends, number, percent, symbol } from "../format.js";
+import { coefficient as fixed, count, ends, number, percent, symbol, typeset } from "../format.js";
 import { followUps } from "../remedies.js";
 
 const SIGNS = { lack_of_fit: "≠ ", error_not_met: "≠ " };
@@ -19,7 +19,7 @@ export function verdictCards(verdicts, units, plan, start) {
         `${symbol(parameter)}${unitOf(units[parameter])}`,
         element("span", { class: "badge" }, `${SIGNS[kind] ?? ""}${words}`),
       ),
-      element("p", {}, sentence),
+      element("p", {}, typeset(sentence)),
       element("details", {}, element("summary", {}, "Evidence"), evidenceList(evidence)),
       followUps(remedies, start),
       proposals.map((proposal) => suggestion(proposal, plan)),
@@ -66,7 +66,7 @@ function evidenceList(evidence) {
 }
 
 function suggestion(proposal, plan) {
-  const words = element("p", {}, proposal.sentence);
+  const words = element("p", {}, typeset(proposal.sentence));
   if (!plan || !DO[proposal.kind]) return element("div", { class: "proposal" }, words);
   const what = `${DO[proposal.kind]} ${symbol(proposal.parameter)}`;
   return element(

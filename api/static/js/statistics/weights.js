@@ -1,6 +1,6 @@
 // Other weights of the series: the optimum and the clouds move at once, without a forward run.
 import { announce, element, once } from "../dom.js";
-import { number, percent, symbol } from "../format.js";
+import { number, percent, symbol, typeset } from "../format.js";
 import { post } from "../http.js";
 
 const DECADES = 2;
@@ -126,7 +126,7 @@ export class Weights {
 
   answered(answer) {
     this.problem = answer.problem;
-    this.warnings.replaceChildren(...answer.warnings.map((text) => element("li", {}, text)));
+    this.warnings.replaceChildren(...answer.warnings.map((text) => element("li", {}, typeset(text))));
   }
 
   async scheme(weighting) {
