@@ -23,6 +23,7 @@ def job(embedded: Site) -> str:
     return ended(embedded.service, two_lines())
 
 
+@pytest.mark.slow
 def test_a_threshold_and_ranges_are_in_the_address(embedded: Site, visit: Visit, job: str) -> None:
     page, _ = visit(embedded, f"/jobs/{job}/statistics")
     expect(page.locator("#verdicts .card")).to_have_count(3)
@@ -61,6 +62,7 @@ def test_an_evaluation_has_an_address(embedded: Site, visit: Visit, job: str) ->
     expect(page).to_have_url(re.compile("/search$"))
 
 
+@pytest.mark.slow
 def test_a_problem_is_copied_and_a_plot_is_saved(embedded: Site, visit: Visit, job: str) -> None:
     page, _ = visit(embedded, f"/jobs/{job}/data", permissions=["clipboard-read", "clipboard-write"])
     # before it is there, what stands below it moves, and a button may be elsewhere when the pointer is let go

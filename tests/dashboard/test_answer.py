@@ -155,6 +155,7 @@ def test_each_run_counts_at_once_and_the_tab_tells_how_far_it_is(embedded: Site,
     expect(page.locator("#live")).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_another_set_of_parameters_is_drawn_beside_the_result(embedded: Site, visit: Visit, line: str) -> None:
     page, _ = visit(embedded, f"/jobs/{line}/fit")
     page.get_by_text("Compare with another set of parameters").click(timeout=SOON)

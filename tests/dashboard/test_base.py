@@ -58,6 +58,7 @@ def test_a_theme_is_kept_and_the_first_stop_of_the_keyboard_skips_to_the_content
     assert page.evaluate("getComputedStyle(document.body).colorScheme") == "dark"
 
 
+@pytest.mark.slow
 def test_a_job_is_seen_to_the_end_without_a_reload(embedded: Site, visit: Visit) -> None:
     view, _ = embedded.service.submit(parse_problem(line_problem(stopping={"max_evaluations": 600})))
     page, _ = visit(embedded, f"/jobs/{view.id}")

@@ -31,6 +31,7 @@ def ids(embedded: Site) -> list[str]:
     return made
 
 
+@pytest.mark.slow
 def test_parameters_convergence_and_fits_stand_side_by_side(embedded: Site, visit: Visit, ids: list[str]) -> None:
     page, _ = visit(embedded, "/compare?" + "&".join(f"job={job_id}" for job_id in ids))
     parameters = page.locator("#parameters tr")

@@ -181,6 +181,7 @@ def test_a_column_that_has_no_place_in_the_dialog_is_a_fact(
     assert guard.faults == []
 
 
+@pytest.mark.slow
 def test_evaluations_are_filtered_and_opened_by_keyboard(embedded: Site, visit: Visit) -> None:
     model = {"kind": "formula", "series": {"y": {"expression": "a + b * x + 0 * sqrt(b - 1)"}}}
     view, _ = embedded.service.submit(parse_problem(textbook(name="partly", forward_model=model)))

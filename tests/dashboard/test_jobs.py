@@ -39,6 +39,7 @@ def test_a_newcomer_calibrates_the_example_by_one_click(full: Site, visit: Visit
     full.service.cancel(page.url.rpartition("/")[2])
 
 
+@pytest.mark.slow
 def test_jobs_are_searched_and_sorted_without_a_reload(embedded: Site, visit: Visit, ids: list[str]) -> None:
     page, _ = visit(embedded, "/")
     rows = page.locator("tr[data-job]")
@@ -99,6 +100,7 @@ def test_a_new_job_appears_and_ends_by_itself_while_the_choice_stays(
     assert page.locator("#chosen").inner_text() == "1 job chosen; choose at least one more to compare."
 
 
+@pytest.mark.slow
 def test_pages_are_leafed_through(embedded: Site, visit: Visit) -> None:
     for number in range(52):
         view, _ = embedded.service.submit(parse_problem(textbook(name=f"leaf-{number:02}", **LONG)))

@@ -100,6 +100,7 @@ def press(page: Page, name: str) -> None:
     page.keyboard.press("Enter")
 
 
+@pytest.mark.slow
 def test_a_table_that_renews_itself_keeps_the_keyboard(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/workers")
     page.locator("#workers tbody tr").first.wait_for()

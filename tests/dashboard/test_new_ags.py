@@ -87,6 +87,7 @@ def test_several_specimens_become_one_problem(embedded: Site, visit: Visit) -> N
     check_accessibility(page, ".observation")
 
 
+@pytest.mark.slow
 def test_all_of_it_by_keyboard(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     form = listed(page)
@@ -134,6 +135,7 @@ def test_what_the_file_does_not_say_can_be_given(embedded: Site, visit: Visit) -
     expect(yaml(page)).to_have_value(re.compile(r"duration: 2\b"))
 
 
+@pytest.mark.slow
 def test_readings_of_an_instrument_are_mapped_like_those_of_other_files(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=formula")
     form = listed(page)

@@ -150,6 +150,7 @@ def test_each_test_is_given_with_another_law(embedded: Site, visit: Visit, kind:
     check_calculates(page)
 
 
+@pytest.mark.slow
 def test_shearing_with_creep_asks_for_a_pace(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "triaxial")
     choose(page, "triaxial", "soft_soil_creep")

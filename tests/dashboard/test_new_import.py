@@ -142,6 +142,7 @@ def test_the_unit_of_chosen_cells_is_found(embedded: Site, visit: Visit) -> None
     expect(page.locator("#take")).to_be_disabled()
 
 
+@pytest.mark.slow
 def test_readings_larger_than_the_specimen_are_stopped_before_the_start(embedded: Site, visit: Visit) -> None:
     """The form said "Complete and sound", and the search ran to its bounds."""
     page, _ = visit(embedded, "/new?example=oedometer")
@@ -187,6 +188,7 @@ def test_thousands_are_asked_for(embedded: Site, visit: Visit, answer: str, y: s
     expect(yaml(page)).to_have_value(re.compile(rf"y: \[{y}\]"))
 
 
+@pytest.mark.slow
 def test_the_cover_of_a_workbook_is_passed_over_and_all_sheets_are_offered(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     mapping = drop(page, workbook(("Cover", COVER), ("Readings", READINGS)), "clay.xlsx")
@@ -351,6 +353,7 @@ def test_readings_are_prepared_in_every_way_of_the_problem_file(embedded: Site, 
     check_accessibility(page, ".observation")
 
 
+@pytest.mark.slow
 def test_gross_errors_are_crosses_beside_the_test_run(embedded: Site, visit: Visit) -> None:
     """The calculated curve was put at the x of the first readings, gross errors or not."""
     page, _ = visit(embedded, "/new?example=formula")

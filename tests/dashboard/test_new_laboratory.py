@@ -151,6 +151,7 @@ def test_consolidation_takes_stages_and_the_permeability(embedded: Site, visit: 
     check_calculates(page)
 
 
+@pytest.mark.slow
 def test_layered_ground_has_soils_layers_and_points(embedded: Site, visit: Visit) -> None:
     page = begin(embedded, visit, "embankment", "column")
     expect(page.locator('[data-path="forward_model.layers[1].thickness"]')).to_have_value("6")

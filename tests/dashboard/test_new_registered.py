@@ -56,6 +56,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
             yield site
 
 
+@pytest.mark.slow
 def test_a_registered_model_is_chosen_set_and_run(site: Site, visit: Visit, tmp_path: Path) -> None:
     page, _ = visit(site, "/new")
     fill(page, name="rate of settlement")

@@ -26,6 +26,7 @@ SHEETS = (
 )
 
 
+@pytest.mark.slow
 def test_a_column_of_loads_fills_in_the_stages_and_joins_their_readings(embedded: Site, visit: Visit) -> None:
     """Before the forward model is complete; x restarts in every stage of this file."""
     page, guard = visit(embedded, "/new")

@@ -72,6 +72,7 @@ def test_a_lost_connection_hides_no_message(embedded: Site, visit: Visit) -> Non
     assert said["bottom"] <= lost["top"]
 
 
+@pytest.mark.slow
 def test_a_report_is_made_with_a_word_on_it(embedded: Site, visit: Visit, job: str) -> None:
     page, _ = visit(embedded, f"/jobs/{job}/data")
     assert page.get_by_role("link", name="Report (page)").get_attribute("target") == "_blank"

@@ -128,6 +128,7 @@ def test_the_values_without_each_test_say_which_one_pulls(embedded: Site, visit:
     expect(rows.nth(5).locator("td").nth(1)).to_have_text("third")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", variants([2, 5], {5}))
 def test_a_prediction_says_test_by_test_how_close_it_comes_to_what_was_measured(
     embedded: Site, visit: Visit, count: int

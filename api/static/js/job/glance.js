@@ -21,7 +21,7 @@ const MOST = 300,
   RIGHT = 8,
   TOP = 6,
   BOTTOM = 34; // px
-const ABOVE = ["live", "alarm", "outcome", "warnings", "answer"]; // what moves the fit down when it comes
+const ABOVE = ["attachments", "live", "alarm", "outcome", "warnings", "answer"]; // what moves the fit down when it comes
 
 /** "cell 50: volumetric strain": the test, where there are several, and what was measured. */
 const headed = (series) => plain(series.replace(".", ": "));
