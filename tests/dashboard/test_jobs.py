@@ -150,11 +150,11 @@ def test_columns_sort_jobs_are_counted_and_many_are_deleted_at_once(embedded: Si
         box.check()
     embedded.service.label(made[0], tags=["earlier"])
     page.get_by_role("button", name="Tag …").click()
-    page.get_by_label("Tags to add").fill("dam, second trial")
+    page.get_by_label("Tags to add").fill("dam, third trial")
     page.keyboard.press("Enter")
     expect(page.locator("#status")).to_have_text("4 jobs tagged.")
-    expect(rows.first).to_contain_text("second trial")
-    assert embedded.service.get(made[0]).tags == ["dam", "earlier", "second trial"]
+    expect(rows.first).to_contain_text("third trial")
+    assert embedded.service.get(made[0]).tags == ["dam", "earlier", "third trial"]
     for box in page.get_by_role("checkbox").all():
         box.check()
     page.get_by_role("button", name="Delete", exact=True).click()

@@ -84,6 +84,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, service: dict[str, Any]) -> None:
     monkeypatch.chdir(tmp_path)
     Path("laboratory.ags").write_bytes(content())
+    Path("specimen.csv").write_text("height [mm];20.2", encoding="utf-8")
     monkeypatch.setenv("GEOSWARM_URL", service["url"])
     monkeypatch.setenv("GEOSWARM_API_KEY", KEY)
 

@@ -18,8 +18,9 @@ async def attachments(self: AsyncConnection, job_id: str) -> tuple[Attachment, .
 
     Examples
     --------
+    >>> attached = await client.attach(job.id, "specimen.csv")
     >>> [file.name for file in await client.attachments(job.id)]
-    []
+    ['specimen.csv']
     """
     read = reader(tuple[Attachment, ...], "items")
     return await self._send(Call("GET", f"{job_path(job_id)}/attachments", read))
@@ -37,8 +38,6 @@ async def attach(self: AsyncConnection, job_id: str, path: str | Path, name: str
 
     Examples
     --------
-    >>> from pathlib import Path
-    >>> _ = Path("specimen.csv").write_text("height [mm];20.2")
     >>> attached = await client.attach(job.id, "specimen.csv")
     >>> attached.name, attached.media_type, attached.size
     ('specimen.csv', 'text/csv', 16)

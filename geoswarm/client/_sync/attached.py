@@ -18,8 +18,9 @@ def attachments(self: Connection, job_id: str) -> tuple[Attachment, ...]:
 
     Examples
     --------
+    >>> attached = client.attach(job.id, "specimen.csv")
     >>> [file.name for file in client.attachments(job.id)]
-    []
+    ['specimen.csv']
     """
     read = reader(tuple[Attachment, ...], "items")
     return self._send(Call("GET", f"{job_path(job_id)}/attachments", read))
@@ -37,8 +38,6 @@ def attach(self: Connection, job_id: str, path: str | Path, name: str | None = N
 
     Examples
     --------
-    >>> from pathlib import Path
-    >>> _ = Path("specimen.csv").write_text("height [mm];20.2")
     >>> attached = client.attach(job.id, "specimen.csv")
     >>> attached.name, attached.media_type, attached.size
     ('specimen.csv', 'text/csv', 16)
