@@ -39,7 +39,7 @@ def test_a_threshold_and_ranges_are_in_the_address(embedded: Site, visit: Visit,
     assert "range.b=0.1..2" in page.url
     other, _ = visit(embedded, page.url.removeprefix(embedded.url))
     expect(other.locator("#verdicts .card")).to_have_count(3)
-    expect(other.locator("#threshold-why")).to_contain_text("given")
+    expect(other.locator("#threshold-why")).to_contain_text("the threshold that you chose")
     assert chosen(other) == kept
     other.get_by_role("button", name="Remove all ranges").click()
     other.get_by_role("button", name="Proposed threshold").click()

@@ -98,7 +98,7 @@ def test_the_slider_counts_as_the_service_does_and_verdicts_follow(embedded: Sit
     with page.expect_response(re.compile("/statistics")):
         page.get_by_label("Threshold as a number").fill(str(exact))
         page.keyboard.press("Enter")
-    expect(page.locator("#threshold-why")).to_contain_text("given")
+    expect(page.locator("#threshold-why")).to_contain_text("the threshold that you chose")
     samples = embedded.service.statistics.report(job, threshold=exact).statistics
     assert samples is not None
     assert chosen(page) == samples.filtered.kept

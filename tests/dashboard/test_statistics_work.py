@@ -39,7 +39,7 @@ def test_only_the_newest_threshold_is_judged_and_what_is_old_is_dimmed(page: Pag
     held[-1].continue_()
     expect(judged).not_to_have_attribute("aria-busy", "true")
     expect(page.locator("#judging")).to_be_empty()
-    expect(page.locator("#threshold-why")).to_contain_text("given")
+    expect(page.locator("#threshold-why")).to_contain_text("the threshold that you chose")
 
 
 def test_a_follow_up_tells_its_cost_and_one_of_hours_is_asked_for(embedded: Site, visit: Visit, job: str) -> None:

@@ -133,5 +133,5 @@ def filter_samples(samples: Samples, threshold: Threshold | float) -> Filtered:
     if not isinstance(threshold, Threshold):
         if not (np.isfinite(threshold) and threshold > 0):
             raise StatisticsError(f"threshold is {threshold:g}; it must be a finite number above 0")
-        threshold = Threshold(float(threshold), "given", f"given: {threshold:g}")
+        threshold = Threshold(float(threshold), "given", "the threshold that you chose")
     return Filtered(samples.select(samples.objectives <= threshold.value), threshold, samples.size)

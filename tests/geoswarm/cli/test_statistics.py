@@ -40,7 +40,12 @@ def test_statistics_say_what_the_data_say(folder: Path, capsys: pytest.CaptureFi
     assert "of 2000 evaluations (monte carlo)" in captured.out
     assert main(["statistics", str(folder), "--threshold", "0.05", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    assert document["threshold"] == {"value": 0.05, "origin": "given", "explanation": "given: 0.05", "wanted": None}
+    assert document["threshold"] == {
+        "value": 0.05,
+        "origin": "given",
+        "explanation": "the threshold that you chose",
+        "wanted": None,
+    }
 
 
 def test_accepted_proposals_give_a_problem_that_runs(
