@@ -52,3 +52,17 @@ def test_the_surface_of_an_answered_search_has_the_runs_of_its_answer(engine: En
     assert ended.evaluations > ended.search_evaluations
     assert found["evaluations"] > ended.search_evaluations
     assert found["best"] == pytest.approx(ended.parameters)
+
+
+def test_each_failed_run_of_search_and_answer_is_shown_once(engine: Engine) -> None:
+    app = App(engine.service)
+    problem = fit_of_a_line()
+    problem["forward_model"]["series"]["y"]["expression"] += " + 0 * ln(0.52 - b)"
+    job = app.post(f"{API}/jobs", json=problem).json()["id"]
+    ended = wait_for_end(engine.service, job)
+    runs = list(engine.service.iterate_evaluations(job))
+    failed = [number for number, run in enumerate(runs) if run.state == "failed"]
+    assert ended.search_evaluations is not None
+    assert failed[0] < ended.search_evaluations <= failed[-1]
+    shown = app.get(f"{API}/jobs/{job}/surface").json()["runs"]["objectives"]
+    assert shown.count(None) == len(failed)

@@ -86,7 +86,7 @@ def check_quotas(
     ------
     QuotaExceededError
     """
-    open_jobs, stored, owned = _totals(connection, owner)
+    open_jobs, stored, written, attached = _totals(connection, owner)
     if another and open_jobs >= settings.quota_jobs:
         raise QuotaExceededError(
             f"{owner} has {open_jobs} jobs that have not ended; at most {settings.quota_jobs} are accepted."
@@ -100,7 +100,7 @@ def check_quotas(
         )
     asked = size["document_bytes"] + size["evaluation_bytes"] * wanted
     what = f"this one {_mb(asked)} more ({wanted} evaluations of {size['evaluation_bytes']} bytes)"
-    _check_room(connection, owner, owned, asked, what, settings, taken)
+    _check_room(connection, owner, written + attached, asked, what, settings, taken)
 
 
 def check_attachment_quotas(
@@ -136,19 +136,19 @@ def check_attachment_quotas(
         )
     if owner is None:
         return
-    attached = attached_bytes(connection, owner)
+    _, _, written, attached = _totals(connection, owner)
     if attached + size > settings.quota_attachments_mb * 1e6:
         raise QuotaExceededError(
             f"the jobs of {owner} have {_mb(attached)} of files and this one {_mb(size)} more;"
             f" at most {_mb(settings.quota_attachments_mb * 1e6)} are kept (GEOSWARM_QUOTA_ATTACHMENTS_MB)."
             " Delete files or jobs that are no longer needed"
         )
-    _, _, owned = _totals(connection, owner)
-    _check_room(connection, owner, owned, size, f"this file {_mb(size)} more", settings, taken)
+    _check_room(connection, owner, written + attached, size, f"this file {_mb(size)} more", settings, taken)
 
 
-def _totals(connection: Connection, owner: str) -> tuple[int, int, int]:
-    """Return how many jobs of an owner have not ended, and evaluations and data [bytes] of all, stored or planned."""
+def _totals(connection: Connection, owner: str) -> tuple[int, int, int, int]:
+    """Return how many jobs of an owner have not ended; of all, evaluations and their data [bytes], stored or planned,
+    and attached files [bytes]."""
     row = connection.execute(
         select(
             func.coalesce(func.sum(case((ENDED, 0), else_=1)), 0),
@@ -156,8 +156,8 @@ def _totals(connection: Connection, owner: str) -> tuple[int, int, int]:
             func.coalesce(func.sum(jobs.c.document_bytes + jobs.c.evaluation_bytes * (jobs.c.evaluations + AHEAD)), 0),
         ).where(jobs.c.owner == owner)
     ).one()
-    open_jobs, stored, owned = (int(value) for value in row)
-    return open_jobs, stored, owned + attached_bytes(connection, owner)
+    open_jobs, evaluations, written = (int(value) for value in row)
+    return open_jobs, evaluations, written, attached_bytes(connection, owner)
 
 
 def _check_room(

@@ -356,11 +356,12 @@ def _samples(
     misfits: list[dict[str, float]] = []
     responses: dict[str, list[FloatArray]] = {name: [] for name in series}
     for place, found in enumerate(read_evaluations(connection, row.id, numbers)):
-        if found.state == "failed":
-            failures[found.reason] += 1
-            failed.append(unpack_array(found.parameters))
         key = (found.generation, found.particle)
         searched = end is None or found.generation < end
+        if found.state == "failed":
+            failures[found.reason] += 1
+            if searched:
+                failed.append(unpack_array(found.parameters))
         if found.state != "finished" or not searched or (place % every and key != best):
             continue
         places.append(key)
