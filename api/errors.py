@@ -40,6 +40,7 @@ from geoswarm.workers.errors import (
     InvalidCursorError,
     InvalidTransitionError,
     JobNotFoundError,
+    KeyNotFoundError,
     LeaseOverError,
     ModelsUnavailableError,
     NoOptimumError,
@@ -47,6 +48,7 @@ from geoswarm.workers.errors import (
     NothingLeftError,
     NothingToRetryError,
     QuotaExceededError,
+    SettingsError,
     StoreUnavailableError,
     UnknownAgentError,
 )
@@ -236,6 +238,11 @@ def translate(error: Exception) -> DetailError:
         case HookRefusedError():
             issues = [Issue(error.field, str(error))]
             return DetailError(422, str(error), kind="invalid-hook", title="Invalid hook", issues=issues)
+        case KeyNotFoundError():
+            return DetailError(404, str(error), kind="unknown-key", title="Unknown key")
+        case SettingsError():  # of a key that cannot be made so
+            issues = [Issue("body", str(error))]
+            return DetailError(422, str(error), kind="invalid-request", title="Invalid request", issues=issues)
         case QuotaExceededError():
             return DetailError(403, f"{error}.", kind="quota-exceeded", title="Quota exceeded")
         case StoreUnavailableError() | BrokerUnavailableError():
@@ -259,6 +266,8 @@ TRANSLATED: tuple[type[Exception], ...] = (
     EvaluationNotFoundError,
     HookNotFoundError,
     HookRefusedError,
+    KeyNotFoundError,
+    SettingsError,
     InvalidTransitionError,
     NoOptimumError,
     NothingLeftError,

@@ -29,6 +29,15 @@ OWN_HEADER = "x-requested-with"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
+class _OutsideLinkError(DetailError):
+    """A read-only link does not show what was asked for."""
+
+    def __init__(self, job_id: str) -> None:
+        self.page = f"/jobs/{job_id}"
+        detail = f"This link shows one job and nothing else: {self.page}."
+        super().__init__(403, detail, kind="link-refused", title="Not shown by this link")
+
+
 class Gate:
     """ASGI middleware that admits only permitted requests, and passes their sender on to the application.
 
@@ -38,10 +47,12 @@ class Gate:
       and a service without a key must not be usable from foreign pages.
     - With API keys, everything except health, static files, the documentation and /openapi.json asks for one:
       ``Authorization: Bearer KEY``, ``X-API-Key: KEY``, or, for browsers, HTTP Basic with the key as the password.
-    - Pages send a browser that has not signed in to ``/sign-in``. Its session is a cookie, so what changes something
-      needs a header of our own beside it, which foreign pages cannot set.
+    - Pages send a browser that has not signed in to ``/sign-in``, and the visitor of a link back to its job.
+    - The session of a browser is a cookie, so what changes something needs a header of our own beside it, which foreign
+      pages cannot set.
     - What changes something, or makes the service calculate, needs the role ``submit``.
     - A key of role ``agent`` opens the routes of agents, and nothing else that asks for a key.
+    - The key of a read-only link opens the pages and results of its job, and nothing else that asks for a key.
 
     The principal is in ``request.state.principal``, the complete identity in ``request.state.identity``.
     """
@@ -67,8 +78,8 @@ class Gate:
             identity = await self._admit(scope, Headers(scope=scope))
         except (DetailError, StoreUnavailableError) as refusal:
             response: Response = detail_response(translate(refusal))
-            if _sends_to_sign_in(scope, refusal):
-                response = RedirectResponse(f"/sign-in?next={quote(_asked(scope), safe='/')}", status_code=303)
+            if (address := _page_instead(scope, refusal)) is not None:
+                response = RedirectResponse(address, status_code=303)
             await response(scope, receive, send_with_headers)
             return
         if identity is None:
@@ -109,6 +120,8 @@ class Gate:
         challenge = 'Bearer realm="geoswarm"' if path.startswith("/api/") else 'Basic realm="geoswarm", charset="UTF-8"'
         client = scope.get("client")
         identity = await self._authenticator.identify(headers, client[0] if client else "", challenge)
+        if (job_id := identity.principal.job_id) is not None and not _of_job(job_id, path):
+            raise _OutsideLinkError(job_id)
         if (wants := _role_wanted(identity, method, path)) is not None:
             raise role_refused(identity.principal.role, f"{method} {path[:80]} needs {wants}")
         if method in SAFE_METHODS:
@@ -123,6 +136,12 @@ class Gate:
         return identity
 
 
+def _of_job(job_id: str, path: str) -> bool:
+    """Whether a path belongs to a job, or to the session that shows it."""
+    pages = f"/jobs/{job_id}"
+    return path == SIGN_IN[1] or any(path == root or path.startswith(f"{root}/") for root in (pages, f"/api/v1{pages}"))
+
+
 def _role_wanted(identity: Identity, method: str, path: str) -> str | None:
     """Return the roles that a request needs, where its sender has none of them."""
     principal = identity.principal
@@ -135,15 +154,14 @@ def _role_wanted(identity: Identity, method: str, path: str) -> str | None:
     return None if principal.may("submit") else "'submit' or 'admin'"
 
 
-def _sends_to_sign_in(scope: Scope, refusal: Exception) -> bool:
-    """Whether a browser that wants a page has to sign in first."""
-    return (
-        isinstance(refusal, DetailError)
-        and refusal.status == 401
-        and scope["method"] in ("GET", "HEAD")
-        and not scope["path"].startswith(FOR_PROGRAMS)
-        and given_key(Headers(scope=scope)) is None
-    )
+def _page_instead(scope: Scope, refusal: Exception) -> str | None:
+    """Return the address of the page that a browser is sent to instead of one that was refused; None: of none."""
+    wants_page = scope["method"] in ("GET", "HEAD") and not scope["path"].startswith(FOR_PROGRAMS)
+    if not wants_page or given_key(Headers(scope=scope)) is not None or not isinstance(refusal, DetailError):
+        return None
+    if isinstance(refusal, _OutsideLinkError):
+        return refusal.page
+    return f"/sign-in?next={quote(_asked(scope), safe='/')}" if refusal.status == 401 else None
 
 
 def _too_many(most: int) -> DetailError:

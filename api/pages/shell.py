@@ -72,8 +72,8 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
     plots
         Whether Plotly is used, which needs inline styles allowed.
     values
-        What the template names beside ``static``, ``modules``, ``plotly``, ``view``, ``owner``, ``is_admin`` and
-        ``signed_in``.
+        What the template names beside ``static``, ``modules``, ``plotly``, ``view``, ``owner``, ``is_admin``,
+        ``may_submit``, ``signed_in`` and ``only_job``.
     """
     identity: Identity | None = getattr(request.state, "identity", None)
     assets: Assets = request.app.state.assets
@@ -88,6 +88,7 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
         is_admin=identity is not None and identity.principal.may("admin"),
         may_submit=identity is not None and identity.principal.may("submit"),
         signed_in=identity is not None and identity.session is not None,
+        only_job=None if identity is None else identity.principal.job_id,
         **values,
     )
     headers = {"Content-Security-Policy": PLOT_POLICY} if plots else None

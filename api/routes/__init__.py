@@ -10,6 +10,7 @@
 ``forward_models``  installed forward models: their section of the problem file, parameters and series with units
 ``hooks``           hooks: whom to tell when a job has ended
 ``jobs``            jobs: submit, list, show, cancel, pause, resume, delete
+``links``           read-only links: addresses that show one job to people without a key
 ``measurements``    files of measurements, before they are part of a problem
 ``metrics``         metrics in the text format of Prometheus
 ``problems``        problems before they become jobs, and the examples that come with the program
@@ -32,6 +33,7 @@ from geoswarm.api.routes import (
     forward_models,
     hooks,
     jobs,
+    links,
     measurements,
     metrics,
     problems,
@@ -48,6 +50,7 @@ for router in (
     agents.router,  # first, as theirs are most of all requests, and routes are tried in turn
     jobs.router,
     attachments.router,
+    links.router,
     results.router,
     fit.router,
     statistics.router,

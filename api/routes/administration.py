@@ -7,13 +7,11 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path
 
 from geoswarm.api.dependencies import Feed, Service, problems_of
-from geoswarm.api.errors import DetailError, role_refused
+from geoswarm.api.errors import role_refused
 from geoswarm.api.schemas.administration import KeyList, NewKeyRequest
 from geoswarm.records.account import Key, NewKey
 from geoswarm.records.service import Operations
-from geoswarm.solver.errors import Issue
 from geoswarm.workers.access.keys import ApiKeys
-from geoswarm.workers.errors import KeyNotFoundError, SettingsError
 from geoswarm.workers.service.job_service import JobService
 
 __all__ = ["router"]
@@ -58,20 +56,13 @@ def list_keys(service: Administrated) -> KeyList:
 @router.post("/keys", status_code=201, responses=problems_of(408, 413, 422))
 def create_key(wanted: NewKeyRequest, service: Administrated) -> NewKey:
     """Create an API key; the answer is the only place where it can be read. Administrators only."""
-    try:
-        key, view = ApiKeys(service.store).create(
-            wanted.owner, wanted.role, label=wanted.label, valid_seconds=wanted.valid_seconds
-        )
-    except SettingsError as error:
-        issue = Issue("body", str(error))
-        raise DetailError(422, str(error), kind="invalid-request", title="Invalid request", issues=[issue]) from None
+    key, view = ApiKeys(service.store).create(
+        wanted.owner, wanted.role, label=wanted.label, valid_seconds=wanted.valid_seconds
+    )
     return NewKey(key=key, view=view)
 
 
 @router.post("/keys/{key_id}/revoke", responses=problems_of(404, 422))
 def revoke_key(key_id: KeyId, service: Administrated) -> Key:
     """Revoke an API key, from the next request and permanently; administrators only."""
-    try:
-        return ApiKeys(service.store).revoke(key_id)
-    except KeyNotFoundError as error:
-        raise DetailError(404, str(error), kind="unknown-key", title="Unknown key") from None
+    return ApiKeys(service.store).revoke(key_id)

@@ -1,4 +1,4 @@
-"""Models for administrators: API keys, and the state of the installation; and hooks."""
+"""Models for administrators: API keys and links, and the state of the installation; and hooks."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from geoswarm.records.account import Hook, Key, Role
 from geoswarm.records.states import ENDED_STATES, EndedState
 
-__all__ = ["HookList", "KeyList", "NewHookRequest", "NewKeyRequest"]
+__all__ = ["HookList", "KeyList", "NewHookRequest", "NewKeyRequest", "NewLinkRequest"]
 
 
 class KeyList(BaseModel):
-    """All keys, oldest first."""
+    """Keys, oldest first."""
 
     items: list[Key]
 
@@ -30,6 +30,15 @@ class NewKeyRequest(BaseModel):
     role: Role = "submit"
     label: str = Field("", max_length=200, description="what it is for")
     valid_seconds: float | None = Field(None, gt=0, le=3.2e9, description="time until it expires; null: never")
+
+
+class NewLinkRequest(BaseModel):
+    """A read-only link to create."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    label: str = Field("", max_length=200, description="whom it is for")
+    valid_days: float = Field(14, gt=0, le=366, description="time until it expires [day]")
 
 
 class HookList(BaseModel):

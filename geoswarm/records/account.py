@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias, get_args
 from geoswarm.records.record import described, record
 from geoswarm.records.states import DeliveryState, EndedState, KeyState
 
-__all__ = ["Hook", "Key", "NewHook", "NewKey", "ROLES", "Role"]
+__all__ = ["Hook", "Key", "NewHook", "NewKey", "NewLink", "ROLES", "Role"]
 
 Role: TypeAlias = Literal["agent", "read", "submit", "admin"]
 
@@ -23,6 +23,7 @@ class Key:
 
     id: str
     owner: str
+    job: str | None = described("the only job that it shows, as a read-only link; null: all jobs of the owner")
     role: Role
     label: str
     state: KeyState
@@ -37,6 +38,14 @@ class NewKey:
     """A new key."""
 
     key: str = described("the key itself, shown only now", repr=False)
+    view: Key
+
+
+@record
+class NewLink:
+    """A new read-only link to a job."""
+
+    path: str = described("address of the link in this service, with its secret, shown only now", repr=False)
     view: Key
 
 

@@ -20,7 +20,7 @@ from geoswarm.workers.store import Store
 from geoswarm.workers.store.codec import to_datetime, to_optional_datetime
 from geoswarm.workers.store.database import Record
 
-__all__ = ["KEY_PATTERN", "ApiKeys"]
+__all__ = ["KEY_PATTERN", "ApiKeys", "holder_of"]
 
 KEY_PATTERN = re.compile(r"gsw_(?P<id>[0-9a-f]{12})_[A-Za-z0-9_-]{43}")
 OWNER_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@+-]{0,79}")
@@ -34,7 +34,15 @@ class ApiKeys:
     def __init__(self, store: Store) -> None:
         self.store = store
 
-    def create(self, owner: str, role: Role, *, label: str = "", valid_seconds: float | None = None) -> tuple[str, Key]:
+    def create(
+        self,
+        owner: str,
+        role: Role,
+        *,
+        label: str = "",
+        valid_seconds: float | None = None,
+        job_id: str | None = None,
+    ) -> tuple[str, Key]:
         """Make a key; return it, this once, and what is stored of it.
 
         Parameters
@@ -43,6 +51,8 @@ class ApiKeys:
             Owner whose jobs the key can access; several keys may have one owner.
         valid_seconds
             Time until it expires [s]; None: never.
+        job_id
+            The only job of the owner that it can access, as the secret of a read-only link; None: all.
 
         Raises
         ------
@@ -50,7 +60,7 @@ class ApiKeys:
             When owner, role, label or time is not acceptable.
         StoreUnavailableError
         """
-        if OWNER_PATTERN.fullmatch(owner) is None:
+        if job_id is None and OWNER_PATTERN.fullmatch(owner) is None:
             raise SettingsError(
                 "owner must be at most 80 letters, digits or . _ @ + -, beginning with a letter or digit; "
                 f"got {owner[:80]!r}"
@@ -63,7 +73,7 @@ class ApiKeys:
             raise SettingsError(f"the time until a key expires must be above 0 s, got {valid_seconds:g} s")
         key_id = secrets.token_hex(6)
         key = f"gsw_{key_id}_{secrets.token_urlsafe(32)}"
-        values = {"id": key_id, "hash": _hash(key), "owner": owner, "role": role, "label": label}
+        values = {"id": key_id, "hash": _hash(key), "owner": owner, "role": role, "label": label, "job_id": job_id}
 
         def work(connection: Connection) -> Key:
             if api_keys.find_key(connection, key_id) is None:
@@ -72,12 +82,12 @@ class ApiKeys:
 
         return key, self.store.write(work)
 
-    def list(self) -> list[Key]:
-        """Return all keys, oldest first."""
-        return [_view(row) for row in self.store.read(api_keys.list_keys)]
+    def list(self, job_id: str | None = None) -> list[Key]:
+        """Return all keys, or those of the read-only links of a job, oldest first."""
+        return [_view(row) for row in self.store.read(lambda connection: api_keys.list_keys(connection, job_id))]
 
-    def revoke(self, key_id: str) -> Key:
-        """Revoke a key, at once and permanently.
+    def revoke(self, key_id: str, job_id: str | None = None) -> Key:
+        """Revoke a key, at once and permanently; with a job only one of its read-only links.
 
         Raises
         ------
@@ -85,7 +95,9 @@ class ApiKeys:
         """
 
         def work(connection: Connection) -> Key:
-            _found(connection, key_id)
+            row = _found(connection, key_id)
+            if job_id not in (None, row.job_id):
+                raise KeyNotFoundError(key_id)
             api_keys.revoke_key(connection, key_id)
             return _view(_found(connection, key_id))
 
@@ -110,13 +122,18 @@ class ApiKeys:
             return None
         if row.used_at is None or row.now - row.used_at > USED_EVERY_SECONDS:
             self._note_used(row.id)
-        return Principal(row.owner, row.role, row.id)
+        return holder_of(row)
 
     def _note_used(self, key_id: str) -> None:
         try:
             self.store.write(lambda connection: api_keys.note_used(connection, key_id, USED_EVERY_SECONDS))
         except StoreUnavailableError:
             return  # a read-only database still serves reads
+
+
+def holder_of(row: Record) -> Principal:
+    """Return the holder of a stored key."""
+    return Principal(row.owner, row.role, row.id, row.job_id)
 
 
 def _hash(key: str) -> str:
@@ -134,6 +151,7 @@ def _view(row: Record) -> Key:
     return Key(
         id=row.id,
         owner=row.owner,
+        job=row.job_id,
         role=row.role,
         label=row.label,
         state=row.state,

@@ -21,11 +21,14 @@ class Principal:
         agent, read, submit or admin.
     key_id
         Public part of the API key, None without one.
+    job_id
+        The only job that a read-only link shows; None: all that the role may see.
     """
 
     owner: str | None
     role: Role
     key_id: str | None = None
+    job_id: str | None = None
 
     def may(self, role: Role) -> bool:
         """Whether the role includes another one; that of an agent includes none, and only an administrator's has it."""
@@ -33,8 +36,17 @@ class Principal:
             return role == "agent" and self.role in ("agent", "admin")
         return ROLES.index(self.role) >= ROLES.index(role)
 
-    def sees(self, owner: str | None) -> bool:
-        """Whether the jobs of an owner are visible."""
+    @property
+    def listed(self) -> str | None:
+        """Whose jobs lists show: None stands for everybody's, the empty name for nobody's."""
+        if self.role == "admin":
+            return None
+        return "" if self.job_id is not None else self.owner or ""
+
+    def sees(self, owner: str | None, job_id: str | None = None) -> bool:
+        """Whether a job of an owner, or something else that is an owner's, is visible."""
+        if self.job_id is not None:
+            return job_id == self.job_id
         return self.role == "admin" or (self.role != "agent" and owner is not None and owner == self.owner)
 
 

@@ -15,6 +15,7 @@ from datetime import datetime
 
 from sqlalchemy import Connection
 
+from geoswarm.workers.access.keys import holder_of
 from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.queries import api_keys, sessions
 from geoswarm.workers.store import Store
@@ -95,7 +96,7 @@ class SignInSessions:
         key = api_keys.find_key(connection, row.key_id)
         if key is None or key.state != "active" or not hmac.compare_digest(row.key_hash, key.hash):
             return None
-        return SessionView(Principal(key.owner, key.role, key.id), expires_at)
+        return SessionView(holder_of(key), expires_at)
 
 
 def _hash(secret: bytes) -> str:

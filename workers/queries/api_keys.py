@@ -29,9 +29,10 @@ def find_key(connection: Connection, key_id: str) -> Record | None:
     return connection.execute(statement).one_or_none()
 
 
-def list_keys(connection: Connection) -> Sequence[Record]:
-    """Return all keys with their ``state``, oldest first."""
-    return connection.execute(select(api_keys, _STATE).order_by(api_keys.c.created_at, api_keys.c.id)).all()
+def list_keys(connection: Connection, job_id: str | None = None) -> Sequence[Record]:
+    """Return all keys, or those of the read-only links of a job, with their ``state``, oldest first."""
+    statement = select(api_keys, _STATE).order_by(api_keys.c.created_at, api_keys.c.id)
+    return connection.execute(statement if job_id is None else statement.where(api_keys.c.job_id == job_id)).all()
 
 
 def revoke_key(connection: Connection, key_id: str) -> None:

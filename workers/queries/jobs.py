@@ -44,7 +44,7 @@ from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.event_listener import insert_events
 from geoswarm.workers.store.outbox import insert_deliveries
 from geoswarm.workers.store.statements import Statement, change, enter
-from geoswarm.workers.store.tables import evaluations, events, generations, jobs, turns
+from geoswarm.workers.store.tables import api_keys, evaluations, events, generations, jobs, turns
 
 __all__ = [
     "LockedJob",
@@ -383,6 +383,7 @@ def delete_evaluations(connection: Connection, job_id: str, most: int) -> int:
 
 def delete_job(connection: Connection, job_id: str) -> None:
     """Remove a job and everything that belongs to it."""
+    connection.execute(delete(api_keys).where(api_keys.c.job_id == job_id))
     connection.execute(delete(jobs).where(jobs.c.id == job_id))
 
 

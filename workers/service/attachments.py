@@ -50,13 +50,14 @@ class Attachments:
         self._find = find
         self._settings = settings
         self._principal = principal
+        self._hidden = principal.job_id is not None  # a read-only link shows no files: see decision 0060
 
     def list(self, job_id: str) -> builtins.list[Attachment]:
         """Return the files of a job, oldest first."""
 
         def work(connection: Connection) -> builtins.list[Attachment]:
             self._find(connection, job_id)
-            return [_view(row) for row in list_attachments(connection, job_id)]
+            return [] if self._hidden else [_view(row) for row in list_attachments(connection, job_id)]
 
         return self._store.read(work)
 
@@ -120,7 +121,8 @@ class Attachments:
 
     def _get(self, connection: Connection, job_id: str, sha256: str) -> Attachment:
         self._find(connection, job_id)
-        row = find_attachment(connection, job_id, sha256) if SHA256.fullmatch(sha256) else None
+        known = not self._hidden and SHA256.fullmatch(sha256)
+        row = find_attachment(connection, job_id, sha256) if known else None
         if row is None:
             raise AttachmentNotFoundError(job_id, sha256[:80])
         return _view(row)

@@ -47,6 +47,7 @@ from geoswarm.workers.queries.offers import find_offer, find_warm_starts, write_
 from geoswarm.workers.queries.views import event_view, job_view, worker_view
 from geoswarm.workers.queries.workers import current_work, list_workers
 from geoswarm.workers.service.attachments import Attachments
+from geoswarm.workers.service.links import Links
 from geoswarm.workers.service.records import JobRecords, clip
 from geoswarm.workers.settings import Settings
 from geoswarm.workers.states.job import CancelRequested, PauseRequested, Request, ResumeRequested
@@ -99,6 +100,11 @@ class JobService(JobRecords):
         return Attachments(self.store, self._row, self.settings, self.principal)
 
     @property
+    def links(self) -> Links:
+        """Read-only links to the jobs that :attr:`principal` may see."""
+        return Links(self.store, self._row, self.principal)
+
+    @property
     def bodies(self) -> BodyService:
         """Meshes and fields of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
         from geoswarm.workers.service.bodies import BodyService
@@ -143,8 +149,7 @@ class JobService(JobRecords):
 
     def warm_starts(self, problem: Problem) -> builtins.list[WarmStart]:
         """Return earlier jobs of the same forward model whose runs a problem could learn from, newest first."""
-        owner = None if self.principal.role == "admin" else self.principal.owner or ""
-        return find_warm_starts(self.store, problem, owner, self._cache)
+        return find_warm_starts(self.store, problem, self.principal.listed, self._cache)
 
     def close(self) -> None:
         """End what test runs have started."""
@@ -240,7 +245,7 @@ class JobService(JobRecords):
         InvalidCursorError
         """
         chosen = filters or JobFilters()
-        owner = None if self.principal.role == "admin" else self.principal.owner or ""
+        owner = self.principal.listed
 
         def work(connection: Connection) -> Page[Job]:
             rows, following = list_jobs(connection, chosen, owner=owner, limit=clip(limit), cursor=cursor)
@@ -255,7 +260,7 @@ class JobService(JobRecords):
 
     def count(self, filters: JobFilters | None = None) -> int:
         """Return the number of jobs that :meth:`list` shows on all its pages."""
-        owner = None if self.principal.role == "admin" else self.principal.owner or ""
+        owner = self.principal.listed
         return self.store.read(lambda connection: count_jobs(connection, filters or JobFilters(), owner=owner))
 
     def cancel(self, job_id: str) -> Job:
@@ -358,7 +363,7 @@ class JobService(JobRecords):
         def work(connection: Connection) -> builtins.list[Worker]:
             busy = current_work(connection)
             rows = list_workers(connection, self.settings.lease_seconds)
-            seen = {id: self.principal.sees(work.owner) for id, work in busy.items()}
+            seen = {id: self.principal.sees(work.owner, work.job_id) for id, work in busy.items()}
             return [worker_view(row, busy.get(row.id), visible=seen.get(row.id, True)) for row in rows]
 
         return self.store.read(work)
@@ -373,7 +378,7 @@ class JobService(JobRecords):
 
     def _row(self, connection: Connection, job_id: str) -> Any:
         row = jobs.get_job(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
-        if row is None or not self.principal.sees(row.owner):
+        if row is None or not self.principal.sees(row.owner, job_id):
             raise JobNotFoundError(job_id)
         return row
 
@@ -403,7 +408,7 @@ class JobService(JobRecords):
     def _frame(self, connection: Connection, job_id: str) -> tuple[builtins.list[str], dict[str, builtins.list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
         row = jobs.get_frame(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
-        if row is None or not self.principal.sees(row.owner):
+        if row is None or not self.principal.sees(row.owner, job_id):
             raise JobNotFoundError(job_id)
         return unpack_json(row.free_parameters), unpack_json(row.grids)
 

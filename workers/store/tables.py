@@ -306,6 +306,7 @@ api_keys = Table(
     Column("id", String(16), primary_key=True),  # part of the key itself, so that it is found without its secret
     Column("hash", String(64), nullable=False),  # SHA-256 of the whole key, which has 256 random bits
     Column("owner", String(80), nullable=False),
+    Column("job_id", String(32)),  # the only job that it shows, as a read-only link; null: all of its owner
     Column("role", String(16), nullable=False),
     Column("label", Text, nullable=False),
     Column("created_at", Double, nullable=False),

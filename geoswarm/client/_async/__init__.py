@@ -10,7 +10,7 @@
 ``analysis``    statistics and uncertainty of a job
 ``reports``     its reports and figures
 ``drafts``      problems before they are jobs: check, examples, files of measurements
-``service``     forward models, workers, health, keys, operations
+``service``     forward models, workers, health, links, hooks, keys, operations
 ==============  ===================================================================================
 
 The methods are plain functions: ``self`` is the connection, which is all that they need.

@@ -118,6 +118,9 @@ class Client(Connection):
     keys = service.keys
     create_key = service.create_key
     revoke_key = service.revoke_key
+    links = service.links
+    create_link = service.create_link
+    revoke_link = service.revoke_link
     hooks = service.hooks
     create_hook = service.create_hook
     test_hook = service.test_hook

@@ -1,5 +1,5 @@
 # Generated from geoswarm/client/_async/service.py by scripts/generate_client.py; `make format` renews it.
-"""The service itself: forward models, workers, health, hooks, and keys and operations for administrators."""
+"""The service itself: forward models, workers, health, links and hooks, keys and operations for administrators."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from urllib.parse import quote
 
 from geoswarm.client._sync.connection import Connection
-from geoswarm.client.calls import API, JSON_BODY, Call, nothing, present, reader
-from geoswarm.records.account import Hook, Key, NewHook, NewKey, Role
+from geoswarm.client.calls import API, JSON_BODY, Call, job_path, nothing, present, reader
+from geoswarm.records.account import Hook, Key, NewHook, NewKey, NewLink, Role
 from geoswarm.records.problem import ForwardModelDetail, ForwardModelSummary
 from geoswarm.records.service import Health, Operations, Session, Worker
 from geoswarm.records.states import ENDED_STATES, EndedState
@@ -17,14 +17,17 @@ from geoswarm.records.states import ENDED_STATES, EndedState
 __all__ = [
     "create_hook",
     "create_key",
+    "create_link",
     "delete_hook",
     "forward_model",
     "forward_models",
     "health",
     "hooks",
     "keys",
+    "links",
     "operations",
     "revoke_key",
+    "revoke_link",
     "session",
     "test_hook",
     "workers",
@@ -153,6 +156,54 @@ def revoke_key(self: Connection, key_id: str) -> Key:
     if not key_id:
         raise ValueError("key_id is empty; give the id of a key, the part of 12 digits between its underscores")
     return self._send(Call("POST", f"{API}/keys/{quote(key_id, safe='')}/revoke", reader(Key)))
+
+
+def links(self: Connection, job_id: str) -> tuple[Key, ...]:
+    """List the read-only links to a job, without their secrets, oldest first.
+
+    Examples
+    --------
+    >>> created = client.create_link(job.id, label="reviewer")
+    >>> "reviewer" in [link.label for link in client.links(job.id)]
+    True
+    """
+    return self._send(Call("GET", f"{job_path(job_id)}/links", reader(tuple[Key, ...], "items")))
+
+
+def create_link(self: Connection, job_id: str, *, label: str = "", valid_days: float = 14) -> NewLink:
+    """Create a link that shows one job to people without a key; the answer is the only place where it can be read.
+
+    Parameters
+    ----------
+    label
+        Whom it is for.
+    valid_days
+        Time until it expires [day].
+
+    Examples
+    --------
+    >>> created = client.create_link(job.id, valid_days=30)
+    >>> created.path.startswith(f"/sign-in?next=/jobs/{job.id}#gsw_")
+    True
+    """
+    content = json.dumps({"label": label, "valid_days": valid_days})
+    call = Call("POST", f"{job_path(job_id)}/links", reader(NewLink), headers=JSON_BODY, content=content)
+    return self._send(call)
+
+
+def revoke_link(self: Connection, job_id: str, link_id: str) -> Key:
+    """Revoke a read-only link, from the next request and permanently.
+
+    Examples
+    --------
+    >>> created = client.create_link(job.id)
+    >>> revoked = client.revoke_link(job.id, created.view.id)
+    >>> revoked.state
+    'revoked'
+    """
+    if not link_id:
+        raise ValueError("link_id is empty; give the id of a link")
+    return self._send(Call("POST", f"{job_path(job_id)}/links/{quote(link_id, safe='')}/revoke", reader(Key)))
 
 
 def hooks(self: Connection) -> tuple[Hook, ...]:

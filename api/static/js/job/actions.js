@@ -6,6 +6,7 @@ import { ENDED, OPEN } from "../states.js";
 import { attachButton } from "./attachments.js";
 import { extend } from "./extend.js";
 import { label } from "./label.js";
+import { links } from "./links.js";
 
 export function actions(view) {
   const place = document.getElementById("actions");
@@ -66,6 +67,8 @@ export function actions(view) {
     }
     list.push(element("button", { type: "button", class: "quiet", onclick: () => label(view) }, "Tags and note …"));
     list.push(...attachButton(view));
+    if (place.dataset.links)
+      list.push(element("button", { type: "button", class: "quiet", onclick: () => links(view) }, "Share …"));
     list.push(element("a", { class: "button quiet", href: `/new?from=${id}` }, "Clone"));
     if (OPEN.has(state)) {
       list.push(

@@ -1,5 +1,6 @@
 // API keys: list, make, revoke.
 import { announce, confirmed, dialog, element, empty, exchange, failure, once, tableHead, wide } from "../dom.js";
+import { shownOnce } from "../secret.js";
 import { age, moment } from "../format.js";
 import { get, post } from "../http.js";
 
@@ -41,7 +42,7 @@ export async function keysPanel(place) {
   async function revoke({ id, owner }) {
     if (
       !(await confirmed(
-        `Revoke the key ${id} of ${owner}? It will be refused from now on; this cannot be undone.`,
+        `Revoke the key ${id} of ${owner || "no owner"}? It will be refused from now on; this cannot be undone.`,
         "Revoke",
       ))
     )
@@ -83,7 +84,7 @@ function table(keys, revoke) {
             "tr",
             {},
             element("th", { scope: "row" }, key.owner),
-            element("td", {}, key.role),
+            element("td", {}, key.job ? element("a", { href: `/jobs/${key.job}` }, "link to a job") : key.role),
             element("td", {}, element("span", { class: `state ${key.state}` }, key.state)),
             element("td", {}, key.label || "–"),
             element("td", {}, when(key.created_at, "–")),
@@ -144,12 +145,7 @@ function form(look, message) {
         valid_seconds: expiry.value ? 86400 * Number(expiry.value) : null,
       };
       const { key } = await post("/keys", wanted);
-      dialog(
-        `Key of ${wanted.owner}`,
-        element("p", { class: "new-key" }, element("code", {}, key)),
-        element("p", {}, "It is shown only once: copy it before you close this."),
-        element("div", { class: "buttons" }, element("button", { type: "button", onclick: () => copied(key) }, "Copy")),
-      );
+      dialog(`Key of ${wanted.owner}`, ...shownOnce(key));
       owner.value = label.value = "";
       await look();
     } catch (error) {
@@ -172,13 +168,4 @@ function form(look, message) {
     field("Expires", expiry),
     make,
   );
-}
-
-async function copied(key) {
-  try {
-    await navigator.clipboard.writeText(key);
-    announce("Copied.");
-  } catch {
-    announce("The browser does not allow copying: select the key and copy it yourself.");
-  }
 }
