@@ -8,7 +8,7 @@ import hashlib
 import json
 import re
 import secrets
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +72,7 @@ class JobService(JobRecords):
 
     Every method may raise :class:`geoswarm.workers.errors.StoreUnavailableError`, those with a ``job_id``
     :class:`geoswarm.workers.errors.JobNotFoundError`: also for a job that :attr:`principal` may not see. That is
-    decided in :meth:`_row` and :meth:`_frame`, through which every method reaches its job.
+    decided in :meth:`_row`, through which every method reaches its job.
     """
 
     def __init__(self, store: Store, waker: Waker, settings: Settings | None = None) -> None:
@@ -244,8 +244,7 @@ class JobService(JobRecords):
         ------
         InvalidCursorError
         """
-        chosen = filters or JobFilters()
-        owner = self.principal.listed
+        chosen, owner = filters or JobFilters(), self.principal.listed
 
         def work(connection: Connection) -> Page[Job]:
             rows, following = list_jobs(connection, chosen, owner=owner, limit=clip(limit), cursor=cursor)
@@ -260,8 +259,8 @@ class JobService(JobRecords):
 
     def count(self, filters: JobFilters | None = None) -> int:
         """Return the number of jobs that :meth:`list` shows on all its pages."""
-        owner = self.principal.listed
-        return self.store.read(lambda connection: count_jobs(connection, filters or JobFilters(), owner=owner))
+        chosen, owner = filters or JobFilters(), self.principal.listed
+        return self.store.read(lambda connection: count_jobs(connection, chosen, owner=owner))
 
     def cancel(self, job_id: str) -> Job:
         """End a job that has not ended; its finished evaluations stay.
@@ -376,8 +375,8 @@ class JobService(JobRecords):
         """Return ``database`` and ``broker``: ``ok``, ``embedded``, or why not; never raises, answers in 4 s."""
         return {"database": self._database.answer(), "broker": self._broker.answer()}
 
-    def _row(self, connection: Connection, job_id: str) -> Any:
-        row = jobs.get_job(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
+    def _row(self, connection: Connection, job_id: str, query: Callable[[Connection, str], Any] = jobs.get_job) -> Any:
+        row = query(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
         if row is None or not self.principal.sees(row.owner, job_id):
             raise JobNotFoundError(job_id)
         return row
@@ -407,9 +406,7 @@ class JobService(JobRecords):
 
     def _frame(self, connection: Connection, job_id: str) -> tuple[builtins.list[str], dict[str, builtins.list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
-        row = jobs.get_frame(connection, job_id) if ID_PATTERN.fullmatch(job_id) else None
-        if row is None or not self.principal.sees(row.owner, job_id):
-            raise JobNotFoundError(job_id)
+        row = self._row(connection, job_id, jobs.get_frame)
         return unpack_json(row.free_parameters), unpack_json(row.grids)
 
     def _request(self, job_id: str, event: Request) -> Job:
