@@ -25,6 +25,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow  # the service's own pages come from the same texts: tests/api/test_documentation.py
 def test_every_page_is_there(site: Path) -> None:
     for path in DOCS.rglob("*.md"):
         name = path.relative_to(DOCS).with_suffix("")
@@ -33,6 +34,7 @@ def test_every_page_is_there(site: Path) -> None:
     assert (site / "examples" / "oedometer" / "index.html").is_file()
 
 
+@pytest.mark.slow  # the service's own pages come from the same texts: tests/api/test_documentation.py
 def test_a_page_loads_nothing_from_others(site: Path) -> None:
     loaded = re.compile(
         r"<(?:script|img|iframe|link(?= [^>]*rel=\"?(?:stylesheet|icon|preconnect)))[^>]*?(?:src|href)=\"?https?://"
@@ -41,6 +43,7 @@ def test_a_page_loads_nothing_from_others(site: Path) -> None:
     assert found == set()
 
 
+@pytest.mark.slow  # the service's own pages come from the same texts: tests/api/test_documentation.py
 def test_docstrings_of_all_public_names_are_on_it(site: Path) -> None:
     pages = "".join((site / "reference" / name / "index.html").read_text("utf-8") for name in ("python", "plug-ins"))
     shown = {name.rpartition(".")[2] for name in re.findall(r'id="?(geoswarm\.[\w.]+)', pages)}

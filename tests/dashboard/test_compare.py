@@ -72,6 +72,7 @@ def test_values_stand_with_intervals_verdicts_and_bounds(embedded: Site, visit: 
     check_accessibility(page)
 
 
+@pytest.mark.slow
 def test_jobs_are_added_and_removed(embedded: Site, visit: Visit, ids: list[str]) -> None:
     page, _ = visit(embedded, f"/compare?job={ids[0]}")
     expect(page.locator(".empty")).to_contain_text("Choose two to six jobs")

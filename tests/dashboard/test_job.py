@@ -99,6 +99,7 @@ def test_a_job_is_watched_to_its_end(site: Site, visit: Visit, submit: Callable[
     assert report.body().startswith(b"%PDF")
 
 
+@pytest.mark.slow  # test_keyboard.py steers a job by default
 def test_a_job_is_paused_resumed_cancelled_and_goes_on(site: Site, visit: Visit, submit: Callable[..., str]) -> None:
     job_id = submit(name="steered", **LONG)
     page, guard = opened(site, visit, f"/jobs/{job_id}")

@@ -36,6 +36,7 @@ def bent(embedded: Site) -> str:
     return ended(embedded.service, document)
 
 
+@pytest.mark.slow  # test_answer.py widens one by default
 def test_a_bound_that_is_touched_is_widened_from_the_alarm(embedded: Site, visit: Visit, bent: str) -> None:
     """Its button was below the alarm and the parameters, off the first screen."""
     document = embedded.service.problem(bent) | {"name": "a slope that is limited"}

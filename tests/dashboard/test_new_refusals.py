@@ -16,6 +16,7 @@ Visit = Callable[..., Opened]
 TEMPERATURES = "Zeit [min];Setzung [mm];Grad\n1;0,25;20\n2;defekt;21\n4;0,75;22\n"
 
 
+@pytest.mark.slow  # tests/api/test_readings_of_files.py has the questions
 def test_millimetres_are_no_strain(embedded: Site, visit: Visit) -> None:
     page, _ = visit(embedded, "/new?example=oedometer")
     mapping = drop(page, OWN)
@@ -51,6 +52,7 @@ def test_a_force_is_no_stress(embedded: Site, visit: Visit) -> None:
     expect(mapping.locator(".todo")).to_contain_text(asked)
 
 
+@pytest.mark.slow  # tests/api/test_readings_of_files.py has the questions
 def test_a_control_file_of_pest_is_named(embedded: Site, visit: Visit) -> None:
     """It was "a table without numbers"."""
     page, guard = visit(embedded, "/new?example=oedometer")
@@ -69,6 +71,7 @@ def test_a_heave_is_not_preselected_as_a_settlement(embedded: Site, visit: Visit
     expect(mapping.get_by_label("Column of y", exact=True).locator("option:checked")).to_have_text("choose …")
 
 
+@pytest.mark.slow  # tests/api/test_readings_of_files.py has the questions
 def test_numbers_of_stages_that_come_again_are_no_x(embedded: Site, visit: Visit) -> None:
     """An axial stress over the number of the stage was proposed where the deviator stood beside it."""
     page, _ = visit(embedded, "/new?example=triaxial")

@@ -21,6 +21,7 @@ from tests.variants import variants
 Visit = Callable[..., Opened]
 
 
+@pytest.mark.slow  # tests/geoswarm/client/test_same_statements.py compares without a page
 @pytest.mark.parametrize("name", variants(["two basins", "product", "wrong model", "plain"], {"two basins"}))
 def test_report_json_and_dashboard_say_the_same(embedded: Site, visit: Visit, name: str) -> None:
     animal = ZOO[name]

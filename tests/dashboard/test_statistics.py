@@ -156,6 +156,7 @@ def test_ranges_can_be_typed(page: Page) -> None:
     assert chosen(page) == whole
 
 
+@pytest.mark.slow
 def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page: Page, job: str) -> None:
     before = page.locator("#weights > p").nth(2).inner_text()
     with page.expect_response(re.compile("/reweight")):
@@ -173,6 +174,7 @@ def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page
     expect(told).to_have_text(before)
 
 
+@pytest.mark.slow
 def test_a_proposal_becomes_a_job_with_the_parameter_fixed(embedded: Site, page: Page) -> None:
     card = page.locator(".card[data-parameter=d]")
     expect(card).to_contain_text("not identified")

@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from geoswarm.solver.problem import parse_problem
@@ -59,6 +60,7 @@ def test_contours_and_slices_of_a_finished_job_with_its_runs(embedded: Site, vis
     assert embedded.service.get(job).evaluations == before
 
 
+@pytest.mark.slow
 def test_too_few_runs_are_said_and_one_parameter_has_no_contours(embedded: Site, visit: Visit) -> None:
     sampled = {"method": {"kind": "monte_carlo", "samples": 12}, "stopping": {}}
     few = ended(embedded.service, line_problem(name="few runs", **sampled))
@@ -74,6 +76,7 @@ def test_too_few_runs_are_said_and_one_parameter_has_no_contours(embedded: Site,
     expect(page.locator("#surface .contours")).to_be_empty()
 
 
+@pytest.mark.slow
 def test_a_surface_that_cannot_be_relied_on_is_not_drawn(embedded: Site, visit: Visit) -> None:
     rough = line_problem(
         name="a rough model",

@@ -16,8 +16,9 @@ from tests.api.conftest import wait_until
 from tests.contracts.repository import ROOT
 from tests.documentation.pages import block
 from tests.documentation.service import USUAL, followed, serving, write_line_problem
-from tests.variants import variants
 from tests.workers.notices.conftest import LOOPBACK, receiving
+
+pytestmark = pytest.mark.slow  # tests/api asks the same of the same routes
 
 HTTP = "docs/http-api.md"
 REPORT = "docs/report.md"
@@ -128,7 +129,7 @@ def test_jobs_that_ended_long_ago_are_pruned(service: tuple[Reader, str], job: s
     assert httpx.get(f"{url}/api/v1/jobs/{job}").status_code == 404
 
 
-@pytest.mark.parametrize("page", variants(["docs/security.md", "docs/agents.md"], {"docs/security.md"}))
+@pytest.mark.parametrize("page", ["docs/security.md", "docs/agents.md"])
 def test_keys_are_made_and_revoked(page: str, tmp_path: Path) -> None:
     """On a database of its own: the first key would close the service of the other tests."""
     with Reader(tmp_path, {"GEOSWARM_DATABASE_URL": f"sqlite:///{tmp_path}/geoswarm.db"}) as reader:
@@ -142,7 +143,6 @@ def test_keys_are_made_and_revoked(page: str, tmp_path: Path) -> None:
             assert re.search(rf"{keys[0]} .*revoked", reader.shell("geoswarm keys list"))
 
 
-@pytest.mark.slow
 def test_reports_and_follow_ups_of_a_job(tmp_path: Path) -> None:
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     with serving(tmp_path) as (reader, _):

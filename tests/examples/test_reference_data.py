@@ -10,10 +10,11 @@ import pytest
 from examples.generate_reference_data import EXAMPLES, HERE, Example, generate, reading_times
 from geoswarm.solver.problem import load_problem
 
+# Calculated in the long run only.
+LENGTHY = ("slope", "triaxial", "direct_simple_shear", "crs_oedometer")
 CALCULATED = [
-    pytest.param(one, id=one.folder, marks=[pytest.mark.slow] if one.folder == "slope" else []) for one in EXAMPLES
+    pytest.param(one, id=one.folder, marks=[pytest.mark.slow] if one.folder in LENGTHY else []) for one in EXAMPLES
 ]
-"""The slope of finite elements is calculated in the long run only."""
 
 
 @pytest.mark.parametrize("example", CALCULATED)

@@ -37,11 +37,12 @@ def ran(script: Path, *options: str) -> str:
     ("number", "longer", "shorter", "expected"),
     [
         (0, '"max_evaluations": 600', '"max_evaluations": 60', "s_end is identified"),
-        (
+        pytest.param(
             1,
             "seed=1,",
             'seed=1, stopping={"max_evaluations": 60},',
             r"max_evaluations: .*\n.* \(\d+, 3\)\n",
+            marks=pytest.mark.slow,
         ),
         (2, "120", "30", "'a': "),
     ],

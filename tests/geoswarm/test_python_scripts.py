@@ -55,6 +55,7 @@ def ran(folder: Path, source: str, *options: str) -> subprocess.CompletedProcess
     return subprocess.run(command, input=given, capture_output=True, text=True, check=False, timeout=120)
 
 
+@pytest.mark.slow  # tests/solver/test_local.py has the same workers
 def test_a_script_with_guard_uses_its_workers(tmp_path: Path) -> None:
     done = ran(tmp_path, SCRIPT + "print('read')\nif __name__ == '__main__':\n    print(run(2))\n", "-W", "error")
     assert done.returncode == 0, done.stderr

@@ -65,6 +65,7 @@ def test_an_agent_does_a_job_alone_and_ends_without_work(tmp_path: Path) -> None
     assert list((tmp_path / "state").rglob("*.json")) == []
 
 
+@pytest.mark.slow  # tests/geoswarm/agent fetches without a service's processes
 @pytest.mark.timeout(900)
 def test_a_model_that_only_the_service_has_is_fetched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     place = Installation.with_line(tmp_path, monkeypatch)

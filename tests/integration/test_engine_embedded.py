@@ -114,6 +114,7 @@ def test_a_method_that_ends_every_worker_fails_its_job_alone(database_url: str, 
         assert wait_until_ended(engine.service, innocent).state == "finished"
 
 
+@pytest.mark.slow  # test_failures.py pauses and resumes a run in its middle
 def test_pause_stops_and_resume_goes_on(database_url: str, gated: Gated) -> None:
     with open_engine(Settings(database_url=database_url, workers=2, **STEADY)) as engine:
         job_id = engine.service.submit(gated.problem)[0].id

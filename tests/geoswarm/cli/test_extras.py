@@ -167,6 +167,7 @@ def test_each_command_works_in_the_base_installation_or_names_the_extra(base: In
             assert f"needs the extra {extra}: pip install 'geoswarm[{extra}]'" in text, told
 
 
+@pytest.mark.slow  # it makes an installation without extras
 def test_a_run_says_before_it_begins_that_there_will_be_no_figures(base: Installation, folder: Path) -> None:
     done = base.geoswarm("run", "problem.json", "--output", "tables", folder=folder)
     assert done.stderr.startswith(

@@ -108,9 +108,13 @@ def test_a_section_settles_by_the_closed_form() -> None:
     ("changes", "message"),
     [
         ({"material": "no_plane"}, "K0 is missing: material no_plane has none"),
-        ({"material": "no_plane", "K0": 0.5, "discretization": "finite_element"}, "no stress update"),
-        ({"OCR": 2.0}, "OCR is given, which material standard_solid does not have"),
-        ({"material": "standard_liquid"}, "unknown law 'standard_liquid'"),
+        pytest.param(
+            {"material": "no_plane", "K0": 0.5, "discretization": "finite_element"},
+            "no stress update",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param({"OCR": 2.0}, "OCR is given, which material standard_solid does not have", marks=pytest.mark.slow),
+        pytest.param({"material": "standard_liquid"}, "unknown law 'standard_liquid'", marks=pytest.mark.slow),
     ],
 )
 def test_what_is_missing_is_reported(changes: dict[str, object], message: str) -> None:

@@ -164,6 +164,7 @@ def many(count: int, dimension: int) -> MatrixData:
     )
 
 
+@pytest.mark.slow
 def test_matrix_of_20000_points_and_six_parameters_is_small() -> None:
     svg = svg_of(matrix_figure("many", many(20_000, 6)))
     assert len(svg) < 5e6

@@ -195,6 +195,7 @@ def test_the_report_of_a_test_has_table_figure_and_json(swarm: Run, tmp_path: Pa
     assert written[0]["interval"] is not None
 
 
+@pytest.mark.slow  # tests/verification/test_primary_consolidation.py reads the same sentence of the result
 def test_a_report_says_that_primary_consolidation_is_not_modelled(swarm: Run, sampling: Run, failed: Run) -> None:
     words = "Primary consolidation is not modelled"
     for run in (swarm, sampling):

@@ -11,6 +11,7 @@ import pytest
 from geoswarm.solver.errors import DivergedError
 from geoswarm.solver.forward.cross_section import SectionModel, SectionSpec
 from geoswarm.verification.specimens.infinite_slopes import LENGTH, WEIGHT, InfiniteSlope
+from tests.variants import variants
 
 
 @pytest.mark.parametrize(
@@ -76,7 +77,7 @@ def _section(c: float, phi: float) -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     ("c", "phi", "stands"),
-    [pytest.param(0.0, 25.3, True, marks=pytest.mark.slow), (2.0, 19.4, True), (0.0, 18.1, False)],
+    variants([(0.0, 25.3, True), (2.0, 19.4, True), (0.0, 18.1, False)], {2.0}),
 )
 def test_a_long_slope_of_a_problem_file_stands_or_falls(c: float, phi: float, stands: bool) -> None:
     """Safety 1.3, 1.03 and 0.9; its ends add less than 0.06. Cracked ground at its head does not move without end."""
