@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 from fastapi import APIRouter, Request
@@ -61,11 +62,9 @@ def job_frame(service: JobService, job_id: str) -> dict[str, Any]:
     job = service.get(job_id)
     document = service.problem(job_id)
     parent = None
-    if (followed := document["method"].get("of")) is not None:
-        try:
-            parent = service.get(followed)
-        except JobNotFoundError:
-            parent = None
+    if job.parent is not None:
+        with contextlib.suppress(JobNotFoundError):  # deleted meanwhile, or not shown by a read-only link
+            parent = service.get(job.parent)
     return {
         "job": job,
         "role": find_method(job.method).role,

@@ -32,6 +32,8 @@ SORTS: dict[SortKey, str] = {
     "name": "Name, A to Z",
 }
 GROUPS = {"active": OPEN_STATES, "ended": ENDED_STATES}
+MOST_FOLLOW_UPS = 200
+MOST_COLUMNS = 8
 MOST_PARAMETERS = 4
 MOST_SERIES = 2
 BADGES = {
@@ -59,13 +61,13 @@ class FoundValue:
     doubt: str | None
 
 
-def found(job: Job) -> list[FoundValue]:
-    """Return the first free parameters of a job, none before an evaluation has succeeded."""
-    if job.parameters is None:
-        return []
+def found(job: Job, names: Sequence[str]) -> list[FoundValue]:
+    """Return those of the parameters that a job has, none before an evaluation has succeeded."""
     values = []
-    for name in job.free_parameters[:MOST_PARAMETERS]:
-        value, interval = job.parameters[name], (job.intervals or {}).get(name)
+    for name in names:
+        if name not in (job.parameters or {}):
+            continue
+        value, interval = (job.parameters or {})[name], (job.intervals or {}).get(name)
         digits = 4 if interval is None else interval_digits(*interval)
         told = tuple(number(end, digits) for end in interval or ())
         doubt = None
@@ -86,23 +88,39 @@ def jobs_page(
     state: Annotated[str, Query(max_length=20, description="a state, active or ended")] = "",
     owner: Annotated[str, Query(max_length=80)] = "",
     tag: Annotated[str, Query(max_length=40)] = "",
+    parent: Annotated[str, Query(max_length=64)] = "",
+    columns: Annotated[str, Query(max_length=1000, description="parameters, with commas between them")] = "",
     sort: Annotated[str, Query(max_length=20)] = "created",
     order: Annotated[str, Query(max_length=20, description="ascending or descending")] = "",
 ) -> HTMLResponse:
-    """List the jobs, newest first unless asked otherwise; what a filter does not know it leaves out."""
-    text, whose, tagged = (
-        "".join(letter for letter in given.strip() if letter.isprintable()) for given in (q, owner, tag)
+    """List the jobs, newest first unless asked otherwise; what a filter does not know it leaves out.
+
+    Without a filter, follow-ups stand below their jobs.
+    """
+    text, whose, tagged, followed, named = (
+        "".join(letter for letter in given.strip() if letter.isprintable())
+        for given in (q, owner, tag, parent, columns)
     )
     states = GROUPS.get(state, (state,) if state in JOB_STATES else ())
     key: SortKey = next((known for known in SORTS if known == sort), "created")
     ascending = {"ascending": True, "descending": False}.get(order)
-    filters = JobFilters(states, text or None, whose or None, key, ascending, tagged or None)
+    filtered = bool(text or states or whose or tagged or followed)
+    parents = (followed,) if followed else None if filtered else ()
+    filters = JobFilters(states, text or None, whose or None, key, ascending, tagged or None, parents)
     page = service.list(filters, limit=PAGE, cursor=cursor or None, trend=POINTS)
+    follow_ups: dict[str, list[Job]] = {}
+    if parents == () and page.items:
+        below = JobFilters(sort=key, ascending=ascending, parents=tuple(job.id for job in page.items))
+        for job in service.list(below, limit=MOST_FOLLOW_UPS, trend=POINTS).items:
+            follow_ups.setdefault(job.parent or "", []).append(job)
+    chosen_columns = [name for name in dict.fromkeys(named.split(",")) if name][:MOST_COLUMNS]
     chosen = {
         "q": text,
         "state": state if states else "",
         "owner": whose,
         "tag": tagged,
+        "parent": followed,
+        "columns": ",".join(chosen_columns),
         "sort": key,
         "order": order if ascending is not None else "",
     }
@@ -113,7 +131,9 @@ def jobs_page(
         page=page,
         first=not cursor,
         chosen=chosen,
-        filtered=bool(text or states or whose or tagged),
+        filtered=filtered,
+        follow_ups=follow_ups,
+        columns=chosen_columns,
         total=service.count(filters),
         rising=filters.rising,
         kept=kept,

@@ -66,6 +66,10 @@ def list_jobs(
     ] = None,
     owner: Annotated[str | None, Query(max_length=80, pattern=PRINTABLE, description="only jobs of this owner")] = None,
     tag: Annotated[str | None, Query(max_length=40, pattern=PRINTABLE, description="only jobs with this tag")] = None,
+    parent: Annotated[
+        str | None,
+        Query(max_length=64, pattern=PRINTABLE, description="only follow-ups of this job; none: only other jobs"),
+    ] = None,
     sort: Annotated[SortKey, Query(description="what to order by")] = "created",
     order: Annotated[
         Literal["ascending", "descending"] | None,
@@ -79,7 +83,8 @@ def list_jobs(
 ) -> JobPage:
     """List jobs, newest first by default; a cursor is valid only for the order that it was returned in."""
     ascending = None if order is None else order == "ascending"
-    filters = JobFilters(tuple(state or ()), q, owner, sort, ascending, tag)
+    parents = None if parent is None else () if parent == "none" else (parent,)
+    filters = JobFilters(tuple(state or ()), q, owner, sort, ascending, tag, parents)
     page = service.list(filters, limit=limit, cursor=cursor, trend=trend)
     return JobPage(items=page.items, next_cursor=page.next_cursor)
 

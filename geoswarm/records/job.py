@@ -66,6 +66,7 @@ class Job:
     priority: int
     retrying: bool = described("its failed evaluations are being rerun; then it returns to its previous state")
     owner: str | None = described("owner of the key that submitted it; null: no key, or that of the environment")
+    parent: str | None = described("id of the job whose follow-up it is; null: of none, or it is deleted", default=None)
     tags: list[str] = described("words to find it by, sorted", default_factory=list)
     note: str | None = described(
         "what somebody wrote about it, in Markdown; null: nobody did, or in lists", default=None

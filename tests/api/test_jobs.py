@@ -13,7 +13,7 @@ FIELDS = {
     "id", "name", "state", "forward_model", "method", "stop_reasons", "objective", "parameters", "at_bounds",
     "intervals", "verdicts", "verdict_words", "fit", "shares", "search_best", "evaluations", "search_evaluations",
     "answer_evaluations", "generations", "failed_evaluations", "created_at", "started_at", "finished_at", "seconds",
-    "error", "seed", "free_parameters", "max_evaluations", "priority", "retrying", "owner", "tags", "note",
+    "error", "seed", "free_parameters", "max_evaluations", "priority", "retrying", "owner", "parent", "tags", "note",
     "last_event", "trend", "versions", "warnings",
 }  # fmt: skip
 

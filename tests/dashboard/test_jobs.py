@@ -9,6 +9,7 @@ import pytest
 from playwright.sync_api import expect
 
 from geoswarm.solver.problem import parse_problem
+from geoswarm.workers.service.findings import submit_sensitivity
 from tests.api.conftest import wait_for_end
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
@@ -188,3 +189,41 @@ def test_a_view_of_the_list_is_kept_and_removed(embedded: Site, visit: Visit) ->
     page.get_by_role("button", name="Remove the view dam").click()
     expect(link).to_have_count(0)
     expect(page.get_by_role("button", name="Keep this view")).to_be_visible()
+
+
+def test_follow_ups_stand_below_their_job_and_parameters_are_columns(
+    embedded: Site, visit: Visit, ids: list[str]
+) -> None:
+    view, _ = submit_sensitivity(embedded.service, ids[0])
+    wait_for_end(embedded.service, view.id)
+    page, _ = visit(embedded, "/")
+    below = page.locator(f"tr[data-job='{view.id}']")
+    expect(page.locator(f"tr[data-job='{ids[0]}']")).to_be_visible()
+    expect(below).to_be_hidden()
+    fold = page.locator(f"[data-below='{ids[0]}']")
+    expect(fold).to_have_text("1 follow-up")
+    expect(fold).to_have_attribute("aria-expanded", "false")
+    fold.press("Enter")
+    expect(below).to_be_visible()
+    expect(fold).to_have_attribute("aria-expanded", "true")
+    with page.expect_response(lambda answer: answer.url.rstrip("/") == embedded.url):
+        pass  # the list is renewed
+    expect(fold).to_be_focused()
+    expect(below).to_be_visible()
+    check_accessibility(page)
+    page.get_by_label("Search").fill("gravel-wall")
+    expect(below.get_by_role("link", name="follow-up", exact=True)).to_have_attribute("href", f"/jobs/{ids[0]}")
+
+    page.get_by_role("button", name="Columns …").click()
+    page.get_by_role("dialog").get_by_label("b", exact=True).check()
+    page.get_by_role("dialog").get_by_role("button", name="Show").click()
+    page.wait_for_url("**columns=b**")
+    assert "q=gravel-wall" in page.url
+    job = embedded.service.get(ids[0])
+    assert job.parameters is not None
+    cell = page.locator(f"tr[data-job='{ids[0]}'] td[data-label='b']")
+    assert float(cell.locator("span").first.inner_text().split()[0]) == pytest.approx(job.parameters["b"], rel=1e-3)
+    expect(page.get_by_role("columnheader", name="b", exact=True)).to_be_visible()
+    page.get_by_label("Search").fill("")
+    expect(page.locator(f"tr[data-job='{ids[1]}'] td[data-label='b']")).to_be_visible()
+    assert "columns=b" in page.url

@@ -106,3 +106,21 @@ def test_a_job_names_its_owner_and_its_newest_event(service: JobService, ids: di
     view = service.get(ids["Beta"])
     assert view.owner == "bob"
     assert view.last_event == service.events(ids["Beta"])[-1].id
+
+
+def test_follow_ups_are_listed_by_their_job_until_it_is_deleted(service: JobService, ids: dict[str, str]) -> None:
+    alice = service.on_behalf_of(Principal("alice", "submit"))
+
+    def follow(of: str, name: str) -> str:
+        method = {"kind": "sensitivity", "at": {"a": 1.0, "b": 2.0}, "of": of}
+        return alice.submit(line(name=name, method=method, stopping={}))[0].id
+
+    below = follow(ids["Slope"], "below")
+    follow(ids["Beta"], "of a job of bob's")
+    follow("0" * 16, "of none")
+    assert alice.get(below).parent == ids["Slope"]
+    assert listed(service, JobFilters(parents=(ids["Slope"], ids["Beta"]))) == ["below"]
+    assert listed(service, JobFilters(parents=())) == ["of none", "of a job of bob's", *NAMES[::-1]]
+    service.delete(ids["Slope"])
+    assert alice.get(below).parent is None
+    assert "below" in listed(service, JobFilters(parents=()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sqlite3
 from collections.abc import Callable
 from pathlib import Path
@@ -74,6 +75,25 @@ def test_jobs_go_on_from_every_schema_on_the_way(database_url: str, settings: Se
         command.upgrade(config, revision)
     engine.dispose()
     check_that_it_goes_on(Store(settings), settings)
+
+
+def test_follow_ups_of_before_know_their_job(database_url: str) -> None:
+    fill(database_url, "0001")
+    engine = create_engine(database_url)
+    with engine.begin() as connection:
+        ids = {row.name: row.id for row in connection.execute(text("SELECT id, name FROM jobs"))}
+        for name, of in (("half", ids["line"]), ("queued", "0" * 16)):
+            problem = json.dumps({"method": {"kind": "sensitivity", "of": of}}, separators=(",", ":"))
+            connection.execute(
+                text("UPDATE jobs SET problem = :problem WHERE name = :name"), {"problem": problem, "name": name}
+            )
+        config = Config()
+        config.set_main_option("script_location", str(VERSIONS.parent))
+        config.attributes["connection"] = connection
+        command.upgrade(config, "0016")
+        parents = {row.name: row.parent for row in connection.execute(text("SELECT name, parent FROM jobs"))}
+    engine.dispose()
+    assert parents == {"line": None, "half": ids["line"], "queued": None}
 
 
 def test_an_old_database_comes_up_to_date(old_store: Callable[[], Store]) -> None:

@@ -38,15 +38,20 @@ class StoredFollowUp:
         return problem_of(self.document)
 
 
+def find_parent(connection: Connection, problem: Problem, owner: str | None) -> str | None:
+    """Return the job of the owner whose follow-up a problem is; None: it is of none."""
+    of = problem.document()["method"].get("of")
+    owned = jobs.c.owner.is_(None) if owner is None else jobs.c.owner == owner
+    found: str | None = None if of is None else connection.scalar(select(jobs.c.id).where(jobs.c.id == of, owned))
+    return found
+
+
 def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
-    """Return the latest follow-ups of the same owner that name a job, the newest first; ``job`` is its row."""
-    # the documents are JSON without spaces; an id holds no character that LIKE or JSON knows
-    named = jobs.c.problem.like(f'%"of":"{job.id}"%')
-    owned = jobs.c.owner.is_(None) if job.owner is None else jobs.c.owner == job.owner
+    """Return the latest follow-ups of a job, the newest first; ``job`` is its row."""
     columns = (jobs.c.id, jobs.c.method, jobs.c.state, jobs.c.evaluations, jobs.c.seed, jobs.c.problem)
     rows = connection.execute(
         select(*columns)
-        .where(jobs.c.method.in_(kinds_of("follow_up")), named, owned)
+        .where(jobs.c.method.in_(kinds_of("follow_up")), jobs.c.parent == job.id)
         .order_by(jobs.c.created_at.desc(), jobs.c.id)
         .limit(_MOST)
     )

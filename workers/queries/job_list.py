@@ -63,6 +63,8 @@ class JobFilters:
         Only jobs of this one.
     tag
         Only jobs with this tag.
+    parents
+        Only follow-ups of these jobs; empty: only jobs that are no follow-ups; None: all.
     sort, ascending
         Order; ``ascending`` None: newest, best or largest first, names from A to Z. What has no value comes last.
     """
@@ -73,6 +75,7 @@ class JobFilters:
     sort: SortKey = "created"
     ascending: bool | None = None
     tag: str | None = None
+    parents: tuple[str, ...] | None = None
 
     @property
     def rising(self) -> bool:
@@ -179,6 +182,8 @@ def _conditions(filters: JobFilters) -> list[ColumnElement[bool]]:
         conditions.append(jobs.c.state.in_(filters.states))
     if filters.owner is not None:
         conditions.append(jobs.c.owner == filters.owner)
+    if filters.parents is not None:
+        conditions.append(jobs.c.parent.in_(filters.parents) if filters.parents else jobs.c.parent.is_(None))
     if filters.tag:
         conditions.append(jobs.c.tags.contains(_as_lines([filters.tag]), autoescape=True))
     if filters.text:

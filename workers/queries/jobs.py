@@ -384,6 +384,7 @@ def delete_evaluations(connection: Connection, job_id: str, most: int) -> int:
 def delete_job(connection: Connection, job_id: str) -> None:
     """Remove a job and everything that belongs to it."""
     connection.execute(delete(api_keys).where(api_keys.c.job_id == job_id))
+    connection.execute(update(jobs).where(jobs.c.parent == job_id).values(parent=None))
     connection.execute(delete(jobs).where(jobs.c.id == job_id))
 
 

@@ -64,6 +64,7 @@ def job_view(row: Record, gap: float) -> Job:
         priority=row.priority,
         retrying=row.retry_to is not None,
         owner=row.owner,
+        parent=row.parent,
         tags=row.tags.split("\n")[1:-1],
         note=row._mapping.get("note") or None,  # lists leave it out
         last_event=row.last_event or 0,

@@ -32,16 +32,13 @@ from geoswarm.workers.access.quotas import check_quotas, lock_quotas, sizes
 from geoswarm.workers.agents.prepared import needs_of
 from geoswarm.workers.cache import Cache
 from geoswarm.workers.coordinator.runtime import Runtime
-from geoswarm.workers.errors import (
-    IdempotencyConflictError,
-    JobNotFoundError,
-    StoreUnavailableError,
-)
+from geoswarm.workers.errors import IdempotencyConflictError, JobNotFoundError, StoreUnavailableError
 from geoswarm.workers.execution.sandbox import Sandbox
 from geoswarm.workers.operations.measures import Measures, measure
 from geoswarm.workers.operations.probe import OneAtATime, Probe
 from geoswarm.workers.operations.retention import delete_job
 from geoswarm.workers.queries import jobs
+from geoswarm.workers.queries.follow_ups import find_parent
 from geoswarm.workers.queries.job_list import JobFilters, count_jobs, label_job, list_jobs, list_trends
 from geoswarm.workers.queries.offers import find_offer, find_warm_starts, write_offer
 from geoswarm.workers.queries.views import event_view, job_view, worker_view
@@ -214,7 +211,7 @@ class JobService(JobRecords):
                 if quota_of is not None:
                     planned = problem.planned_evaluations
                     check_quotas(connection, quota_of, planned, self.settings, size=size, taken=taken)
-                if jobs.insert_job(connection, values):
+                if jobs.insert_job(connection, values | {"parent": find_parent(connection, problem, owner)}):
                     if offer is not None:
                         write_offer(connection, values["id"], offer)
                     return self._get(connection, values["id"]), True

@@ -2,6 +2,7 @@
 import { announce, confirmed, connection, dialog, element, once } from "./dom.js";
 import { age, moment, symbol, tagsIn } from "./format.js";
 import { get, post, send } from "./http.js";
+import { chooseColumns } from "./jobs/columns.js";
 import { showViews } from "./jobs/views.js";
 import { renew } from "./renew.js";
 
@@ -13,6 +14,7 @@ const list = document.getElementById("list");
 const filters = document.getElementById("filters");
 const choose = document.getElementById("choose");
 const chosen = new Set(); // beyond the page that is shown
+const unfolded = new Set(); // jobs whose follow-ups are shown
 const tagChosen = document.getElementById("tag-chosen"),
   cancelChosen = document.getElementById("cancel-chosen"),
   deleteChosen = document.getElementById("delete-chosen");
@@ -25,6 +27,9 @@ function dress() {
   }
   for (const place of list.querySelectorAll("[data-symbol]")) place.textContent = symbol(place.dataset.symbol);
   for (const box of boxes()) box.checked = chosen.has(box.value);
+  for (const row of list.querySelectorAll("tr[data-parent]")) row.hidden = !unfolded.has(row.dataset.parent);
+  for (const button of list.querySelectorAll("[data-below]"))
+    button.ariaExpanded = String(unfolded.has(button.dataset.below));
   tell();
 }
 
@@ -77,6 +82,8 @@ function filter() {
   return show(url);
 }
 
+document.getElementById("columns").addEventListener("click", () => chooseColumns(list, filters.elements.columns));
+
 let typing = null;
 filters.addEventListener("input", () => {
   clearTimeout(typing);
@@ -95,6 +102,10 @@ list.addEventListener("change", ({ target }) => {
 });
 list.addEventListener("click", ({ target }) => {
   if (target.id === "example") once(target, tryExample);
+  const { below } = target.dataset;
+  if (!below) return;
+  if (!unfolded.delete(below)) unfolded.add(below);
+  dress();
 });
 choose.addEventListener("submit", (event) => {
   event.preventDefault();
@@ -161,7 +172,7 @@ deleteChosen?.addEventListener("click", async () => {
 });
 
 for (const box of boxes()) if (box.checked) chosen.add(box.value); // kept by the browser over a reload
-filters.querySelector("button").hidden = true; // filters act at once
+filters.querySelector("[type=submit]").hidden = true; // filters act at once
 showViews();
 dress();
 setInterval(() => document.hidden || show(), INTERVAL);

@@ -41,7 +41,7 @@ function exchangeRows(body, source) {
   }
 }
 
-/** Markup as the server wrote it: ages are put into words here, and would make every cell look changed. */
+/** Markup as the server wrote it: what is put into words or opened here would make its cell look changed. */
 function raw(cell) {
-  return cell.querySelector("time")?.dateTime ?? cell.innerHTML;
+  return cell.querySelector("time")?.dateTime ?? cell.innerHTML.replaceAll(/ aria-expanded="\w+"/g, "");
 }

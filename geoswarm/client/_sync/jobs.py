@@ -64,6 +64,7 @@ def list_jobs(
     search: str | None = None,
     owner: str | None = None,
     tag: str | None = None,
+    parent: str | None = None,
     sort: SortKey | None = None,
     order: Literal["ascending", "descending"] | None = None,
     trend: int | None = None,
@@ -76,6 +77,8 @@ def list_jobs(
     ----------
     state, search, owner, tag
         Only jobs in this state, with this text in name, model, method, owner or tags, of this owner, with this tag.
+    parent
+        Only follow-ups of this job; ``"none"``: only jobs that are no follow-ups.
     sort, order
         Newest, best or largest first, names from A to Z, unless ``order`` says otherwise.
     trend
@@ -87,7 +90,7 @@ def list_jobs(
     >>> page.items[0].state
     'finished'
     """
-    query = present(state=state, q=search, owner=owner, tag=tag, sort=sort, order=order)
+    query = present(state=state, q=search, owner=owner, tag=tag, parent=parent, sort=sort, order=order)
     query |= present(trend=trend, limit=limit, cursor=cursor)
     return self._send(Call("GET", f"{API}/jobs", reader(Page[Job]), query))
 
