@@ -121,6 +121,28 @@ def test_the_slider_keeps_its_width_while_it_is_dragged(page: Page) -> None:
     assert widths == pytest.approx([widths[0]] * 3, abs=0.5)
 
 
+def test_a_range_on_a_parallel_axis_limits_all_plots(page: Page) -> None:
+    slide(page, 900)
+    before = chosen(page)
+    expect(page.locator("#judged")).not_to_have_attribute("aria-busy", "true")
+    place = page.locator("#parallel .marks")
+    place.scroll_into_view_if_needed()
+    axis = place.locator(".cell").nth(2).bounding_box()  # of b: the first is that of the objective
+    assert axis is not None
+    page.mouse.move(axis["x"], axis["y"] + 0.1 * axis["height"])
+    page.mouse.down()
+    page.mouse.move(axis["x"], axis["y"] + 0.5 * axis["height"], steps=5)
+    page.mouse.up()
+    expect(place.locator(".brush")).to_have_count(1)
+    assert 0 < chosen(page) < before
+    assert "range.b=" in page.url
+    expect(page.locator("#matrix .brush").first).to_be_visible()
+    expect(place).to_have_attribute("aria-label", re.compile(f"{chosen(page)} of 400 evaluations are chosen"))
+    page.mouse.click(axis["x"], axis["y"] + 0.3 * axis["height"])
+    expect(place.locator(".brush")).to_have_count(0)
+    assert chosen(page) == before
+
+
 def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit(page: Page) -> None:
     slide(page, 900)
     before = chosen(page)
@@ -135,7 +157,7 @@ def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit(page: Page) -> Non
     page.mouse.up()
     inside = chosen(page)
     assert 0 < inside < before
-    expect(page.locator(".marks .brush")).to_have_count(5)  # every cell with a or b
+    expect(page.locator("#matrix .brush")).to_have_count(5)  # every cell with a or b
     expect(page.locator("#fit")).to_contain_text(f"{inside} chosen")
     page.get_by_text("Ranges of the parameters").click()
     low = float(page.get_by_label("a, at least").input_value())

@@ -10,6 +10,7 @@ import { Cloud, natural, place as unitPlace } from "./statistics/cloud.js";
 import { FitPlot, affordable } from "./statistics/fit.js";
 import { Matrix } from "./statistics/matrix.js";
 import { Outlook } from "./statistics/outlook.js";
+import { Parallel } from "./statistics/parallel.js";
 import { Plan } from "./statistics/plan.js";
 import { fetchPoints } from "./statistics/points.js";
 import { rangeForm } from "./statistics/ranges.js";
@@ -130,6 +131,7 @@ function build(points, values) {
   parts.slider ??= new ThresholdSlider(place("filter"), { onInput: moved, onRest: rested, onProposed: proposed });
   parts.slider.fit(view.cloud, unit);
   parts.matrix ??= new Matrix(place("matrix"), { onRanges: limited });
+  parts.parallel ??= new Parallel(place("parallel"), { onRanges: limited });
   parts.ranges ??= rangeForm(place("ranges"), () => view.cloud, limited);
   parts.fit ??= new FitPlot(place("fit"), points.series);
   parts.weights ??= new Weights(place("weights"), { job, cloud: view.cloud, maySubmit, onWeights: reweighted });
@@ -155,11 +157,13 @@ function build(points, values) {
 function showCloud() {
   parts.slider.set(view.threshold);
   view.chosen = parts.matrix.show(view.cloud, view.threshold, parts.unit);
+  parts.parallel.show(view.cloud, view.threshold, view.chosen, parts.unit);
   tell();
 }
 
 function choose() {
   view.chosen = parts.matrix.update(view.threshold);
+  parts.parallel.update(view.threshold, view.chosen);
   tell();
 }
 

@@ -1,5 +1,7 @@
 // What the matrix plot shows: the evaluations under the present weights, threshold and ranges. No drawing here.
 
+import { COLOURS } from "../scales.js";
+
 const BINS = 30;
 
 /** Natural value of a place from 0 to 1 between the bounds of a parameter, and back. */
@@ -55,6 +57,27 @@ export class Cloud {
   /** Objective of the evaluation that has a share of all at or below it. */
   quantile(share) {
     return this.objective[this.order[Math.min(this.count - 1, Math.max(0, Math.floor(share * (this.count - 1))))]];
+  }
+
+  /** How the objective is drawn over a length: `span` from low to high, and `level(f)`, 0 to 1 inside it. */
+  objectiveScale() {
+    const low = this.quantile(0),
+      high = this.quantile(0.98);
+    const logarithmic = low > 0 && high / low > 3;
+    const [first, last] = logarithmic ? [low / 1.4, high] : [Math.min(0, low), high > low ? high : low + 1];
+    const level = (f) => (logarithmic ? Math.log(f / first) / Math.log(last / first) : (f - first) / (last - first));
+    return { span: [first, last], logarithmic, level };
+  }
+
+  /** Colour of a good fit, from the best one to the threshold. */
+  colours(threshold) {
+    const low = this.quantile(0);
+    const log = low > 0 && threshold / low > 3;
+    return (n) => {
+      const f = this.objective[n];
+      const share = log ? Math.log(f / low) / Math.log(threshold / low) : (f - low) / (threshold - low || 1);
+      return COLOURS[Math.max(0, Math.min(COLOURS.length - 1, Math.floor(share * COLOURS.length)))];
+    };
   }
 
   /** How many evaluations are good fits, at or below a threshold. */

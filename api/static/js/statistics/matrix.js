@@ -4,7 +4,7 @@ import { element, svg } from "../dom.js";
 import { coefficient, withUnit } from "../format.js";
 import { colour } from "../plot.js";
 import { place } from "./cloud.js";
-import { COLOURS, tickText, ticks } from "../scales.js";
+import { tickText, ticks } from "../scales.js";
 
 const LEFT = 70,
   TOP = 10,
@@ -76,10 +76,7 @@ export class Matrix {
       line: colour("--series-2"),
       grid: colour("--line"),
     };
-    const low = cloud.quantile(0),
-      high = cloud.quantile(0.98);
-    this.logarithmic = low > 0 && high / low > 3;
-    this.span = this.logarithmic ? [low / 1.4, high] : [Math.min(0, low), high > low ? high : low + 1];
+    this.scale = cloud.objectiveScale();
     this.points(this.back, cloud.order, () => this.colours.faint, {
       size: cloud.count < 5000 ? 1.6 : 1,
       alpha: cloud.count < 5000 ? 0.4 : 0.25,
@@ -92,15 +89,8 @@ export class Matrix {
     this.threshold = threshold;
     const { cloud } = this;
     const chosen = cloud.chosen(threshold);
-    const low = cloud.quantile(0);
-    const log = low > 0 && threshold / low > 3;
-    const shade = (n) => {
-      const f = cloud.objective[n];
-      const share = log ? Math.log(f / low) / Math.log(threshold / low) : (f - low) / (threshold - low || 1);
-      return Math.max(0, Math.min(COLOURS.length - 1, Math.floor(share * COLOURS.length)));
-    };
     const size = chosen.length < 300 ? 3.6 : chosen.length < 3000 ? 2.6 : 1.8;
-    this.points(this.front, chosen, (n) => COLOURS[shade(n)], { size, alpha: 1, backwards: true });
+    this.points(this.front, chosen, cloud.colours(threshold), { size, alpha: 1, backwards: true });
     this.annotate(chosen);
     return chosen;
   }
@@ -123,7 +113,7 @@ export class Matrix {
         let last = null;
         for (let k = 0; k < sequence.length; k += 1) {
           const n = sequence[k];
-          const height = y === null ? this.level(cloud.objective[n]) : y[n];
+          const height = y === null ? this.scale.level(cloud.objective[n]) : y[n];
           if (!(height >= 0 && height <= 1)) continue;
           if (paints[k] !== last) context.fillStyle = last = paints[k];
           context.fillRect(left + x[n] * cell - half, top + (1 - height) * cell - half, size, size);
@@ -135,12 +125,6 @@ export class Matrix {
 
   corner(row, column) {
     return [LEFT + column * (this.cell + GAP), TOP + row * (this.cell + GAP)];
-  }
-
-  /** Place of an objective on the axis of the diagonal, 0 to 1. */
-  level(f) {
-    const [low, high] = this.span;
-    return this.logarithmic ? Math.log(f / low) / Math.log(high / low) : (f - low) / (high - low);
   }
 
   annotate(chosen) {
@@ -192,13 +176,13 @@ export class Matrix {
     const wide = cell / envelope.length;
     let path = "";
     envelope.forEach((f, bin) => {
-      const height = Number.isFinite(f) ? this.level(f) : NaN;
+      const height = Number.isFinite(f) ? this.scale.level(f) : NaN;
       if (!(height <= 1)) return;
       const top = y + (1 - Math.max(0, height)) * cell;
-      const joined = path && Number.isFinite(envelope[bin - 1]) && this.level(envelope[bin - 1]) <= 1;
+      const joined = path && Number.isFinite(envelope[bin - 1]) && this.scale.level(envelope[bin - 1]) <= 1;
       path += `${joined ? "L" : "M"}${x + bin * wide} ${top}h${wide}`;
     });
-    const limit = this.level(this.threshold);
+    const limit = this.scale.level(this.threshold);
     const line =
       limit >= 0 && limit <= 1
         ? [svg("line", { class: "limit", x1: x, x2: x + cell, y1: y + (1 - limit) * cell, y2: y + (1 - limit) * cell })]
@@ -262,8 +246,8 @@ export class Matrix {
       );
       if (index > 0) parts.push(sideways(label(parameter), y + cell / 2));
     });
-    for (const f of ticks(...this.span, this.logarithmic ? "log" : "linear", most)) {
-      const height = TOP + (1 - this.level(f)) * cell;
+    for (const f of ticks(...this.scale.span, this.scale.logarithmic ? "log" : "linear", most)) {
+      const height = TOP + (1 - this.scale.level(f)) * cell;
       parts.push(
         svg("path", { class: "tick", d: `M${LEFT} ${height}h-4` }),
         svg("text", { x: LEFT - 7, y: height + 4, "text-anchor": "end" }, tickText(f)),
