@@ -192,3 +192,19 @@ def test_a_swarm_is_examined_from_its_stored_evaluations(engine: Engine) -> None
     assert report.statistics.samples.source == "particle_swarm"
     assert report.record.best is not None
     assert report.record.best.parameters["b"] == pytest.approx(2.0, abs=0.05)
+
+
+def test_a_report_shows_the_parts_that_are_wanted_and_says_so(done: tuple[App, str]) -> None:
+    app, path = done[0], f"{done[1]}/report"
+    whole = app.get(f"{path}.html").text
+    some = app.get(f"{path}.html", params={"part": ["tables", "verdicts"]}).text
+    sections = [f'<section id="{name}">' for name in ("verdicts", "figures", "tables", "provenance")]
+    assert [section in whole for section in sections] == [True] * 4
+    assert [section in some for section in sections] == [True, False, True, False]
+    assert "<dd>verdicts, tables</dd>" in some
+    assert '<p class="summary">' in some
+    pages = [len(app.get(f"{path}.pdf", params={"part": part}).content) for part in (["verdicts"], [])]
+    assert 0 < pages[0] < 0.5 * pages[1]
+    refused = app.get(f"{path}.html", params={"part": "sales"})
+    assert refused.status_code == 422
+    assert "'verdicts'" in refused.text

@@ -186,3 +186,15 @@ def test_a_job_is_found_by_its_tags_and_its_note_is_no_markup(embedded: Site, vi
     page.get_by_role("link", name="Remove the filter by tag second trial").click()
     expect(page.locator("#total")).not_to_contain_text("match")
     embedded.service.label(job, tags=[], note="")
+
+
+@pytest.mark.slow
+def test_parts_of_a_report_are_chosen(embedded: Site, visit: Visit) -> None:
+    job = ended(embedded.service, textbook())
+    page, _ = visit(embedded, f"/jobs/{job}/data")
+    page.get_by_text("Choose the parts of the reports").click()
+    for name in ("Figures", "Classical evaluation", "Tables", "Provenance and problem", "Verdicts"):
+        page.get_by_role("checkbox", name=name).click()
+    expect(page.get_by_role("checkbox", name="Verdicts")).to_be_checked()
+    link = page.get_by_role("link", name="Report (page)")
+    assert (link.get_attribute("href") or "").endswith("/report.html?part=verdicts")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from fastapi import APIRouter, Path, Response
+from fastapi import APIRouter, Depends, Path, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from geoswarm.api.dependencies import JobId, Service, problems_of
@@ -14,6 +14,7 @@ from geoswarm.api.schemas.statistics import FigureList
 from geoswarm.api.views import WantedReport, WantedView, read_record
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.solver.problem.weighting import Weighting
+from geoswarm.solver.report.document.content import PARTS, Part
 from geoswarm.solver.report.figures.style import figures_available, png_of, svg_of
 from geoswarm.solver.system.extras import needs_extra
 from geoswarm.workers.service.job_service import JobService
@@ -68,12 +69,25 @@ def reweight(job_id: JobId, service: Service, request: ReweightRequest) -> Rewei
     return read_record(ReweightAnswer, service.statistics.reweighted(job_id, **request.model_dump()))
 
 
+async def _parts(
+    part: Annotated[
+        list[Part] | None,
+        Query(max_length=len(PARTS), description="show this part only, may be repeated; absent: all"),
+    ] = None,
+) -> tuple[Part, ...]:
+    return tuple(one for one in PARTS if part is None or one in part)
+
+
+WantedParts = Annotated[tuple[Part, ...], Depends(_parts)]
+
+
 @router.get(
     "/report.html", response_class=Response, responses={200: {"content": {"text/html": {}}}, **problems_of(404, 422)}
 )
-def report_html(job_id: JobId, service: Service, view: WantedReport) -> Response:
-    """Show the report of a job as a self-contained page."""
-    page = service.statistics.rendered(job_id, "html", lambda report: report.html().encode(), **view.options)
+def report_html(job_id: JobId, service: Service, view: WantedReport, parts: WantedParts) -> Response:
+    """Show the report of a job as a self-contained page; summary and alarm are in every one."""
+    form = f"html {parts}"
+    page = service.statistics.rendered(job_id, form, lambda report: report.html(parts).encode(), **view.options)
     return _document(page, "text/html; charset=utf-8")
 
 
@@ -82,10 +96,10 @@ def report_html(job_id: JobId, service: Service, view: WantedReport) -> Response
     response_class=Response,
     responses={200: {"content": {"application/pdf": {}}}, **problems_of(404, 422, 501)},
 )
-def report_pdf(job_id: JobId, service: Service, view: WantedReport) -> Response:
-    """Show the report of a job as PDF."""
+def report_pdf(job_id: JobId, service: Service, view: WantedReport, parts: WantedParts) -> Response:
+    """Show the report of a job as PDF; summary and alarm are in every one."""
     _need_figures()
-    pdf = service.statistics.rendered(job_id, "pdf", lambda report: report.pdf(), **view.options)
+    pdf = service.statistics.rendered(job_id, f"pdf {parts}", lambda report: report.pdf(parts), **view.options)
     return _document(pdf, "application/pdf", f"report-{job_id}.pdf")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Literal
 from urllib.parse import quote
 
@@ -20,6 +21,7 @@ async def report(
     noise: Noise = None,
     posterior: bool = False,
     compare: OtherSet = None,
+    parts: Collection[str] = (),
 ) -> Report:
     """Show the report of a job, on request with a posterior sample; a notebook displays it.
 
@@ -27,6 +29,9 @@ async def report(
     ----------
     compare
         Another set of parameters to show beside the result: values by name, and a ``name``; or the path of such a file.
+    parts
+        Show only these: verdicts, figures, classical, tables, provenance; all when not given. Summary and alarm are in
+        every report.
 
     Examples
     --------
@@ -34,7 +39,7 @@ async def report(
     >>> "Compared with a book" in report.html
     True
     """
-    query = view_query(threshold, noise, posterior, compare)
+    query = view_query(threshold, noise, posterior, compare) | {"part": list(parts)}
     return await self._send(
         Call("GET", f"{job_path(job_id)}/report.html", lambda response: Report(response.text), query)
     )
@@ -48,16 +53,17 @@ async def report_pdf(
     noise: Noise = None,
     posterior: bool = False,
     compare: OtherSet = None,
+    parts: Collection[str] = (),
 ) -> bytes:
-    """Show the report of a job as PDF.
+    """Show the report of a job as PDF, as :func:`report` does.
 
     Examples
     --------
-    >>> pdf = await client.report_pdf(job.id)
+    >>> pdf = await client.report_pdf(job.id, parts=["verdicts", "tables"])
     >>> pdf[:5]
     b'%PDF-'
     """
-    query = view_query(threshold, noise, posterior, compare)
+    query = view_query(threshold, noise, posterior, compare) | {"part": list(parts)}
     return await self._send(Call("GET", f"{job_path(job_id)}/report.pdf", lambda response: response.content, query))
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Literal
 from urllib.parse import quote
 
@@ -21,6 +22,7 @@ def report(
     noise: Noise = None,
     posterior: bool = False,
     compare: OtherSet = None,
+    parts: Collection[str] = (),
 ) -> Report:
     """Show the report of a job, on request with a posterior sample; a notebook displays it.
 
@@ -28,6 +30,9 @@ def report(
     ----------
     compare
         Another set of parameters to show beside the result: values by name, and a ``name``; or the path of such a file.
+    parts
+        Show only these: verdicts, figures, classical, tables, provenance; all when not given. Summary and alarm are in
+        every report.
 
     Examples
     --------
@@ -35,7 +40,7 @@ def report(
     >>> "Compared with a book" in report.html
     True
     """
-    query = view_query(threshold, noise, posterior, compare)
+    query = view_query(threshold, noise, posterior, compare) | {"part": list(parts)}
     return self._send(Call("GET", f"{job_path(job_id)}/report.html", lambda response: Report(response.text), query))
 
 
@@ -47,16 +52,17 @@ def report_pdf(
     noise: Noise = None,
     posterior: bool = False,
     compare: OtherSet = None,
+    parts: Collection[str] = (),
 ) -> bytes:
-    """Show the report of a job as PDF.
+    """Show the report of a job as PDF, as :func:`report` does.
 
     Examples
     --------
-    >>> pdf = client.report_pdf(job.id)
+    >>> pdf = client.report_pdf(job.id, parts=["verdicts", "tables"])
     >>> pdf[:5]
     b'%PDF-'
     """
-    query = view_query(threshold, noise, posterior, compare)
+    query = view_query(threshold, noise, posterior, compare) | {"part": list(parts)}
     return self._send(Call("GET", f"{job_path(job_id)}/report.pdf", lambda response: response.content, query))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -25,7 +25,7 @@ from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samp
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.compared import Compared
-from geoswarm.solver.report.document.content import Content, report_content
+from geoswarm.solver.report.document.content import PARTS, Content, Part, report_content
 from geoswarm.solver.report.document.html import html_fragment, html_report
 from geoswarm.solver.report.document.pdf import pdf_report
 from geoswarm.solver.report.figures.figure_set import FigureSet
@@ -139,9 +139,12 @@ class Report:
         """What the report says."""
         return report_content(self.problem, self.record, self.statistics, self.figures, self.uncertainty, self.compared)
 
-    def html(self) -> str:
-        """Return the page."""
-        return html_report(self.content)
+    def html(self, parts: Collection[Part] = PARTS) -> str:
+        """Return the page, with some of its parts."""
+        return html_report(self._with(parts))
+
+    def _with(self, parts: Collection[Part]) -> Content:
+        return self.content if set(parts) == set(PARTS) else self.content.only(parts)
 
     def fragment(self) -> str:
         """Return a short form for a notebook."""
@@ -151,9 +154,9 @@ class Report:
         """Show verdicts and facts in a notebook."""
         return self.fragment()
 
-    def pdf(self) -> bytes:
-        """Return the PDF."""
-        return pdf_report(self.content)
+    def pdf(self, parts: Collection[Part] = PARTS) -> bytes:
+        """Return the PDF, with some of its parts."""
+        return pdf_report(self._with(parts))
 
     @without_garbage_collection()
     def save(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, TypeAlias, get_args
 
 from geoswarm.solver.identifiability import Statistics
 from geoswarm.solver.identifiability.misfits import headline_of
@@ -27,7 +27,12 @@ from geoswarm.solver.report.record import BestFit, RunRecord, method_in_words
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset
 
-__all__ = ["Content", "report_content"]
+__all__ = ["PARTS", "Content", "Part", "report_content"]
+
+
+Part: TypeAlias = Literal["verdicts", "figures", "classical", "tables", "provenance"]
+PARTS: tuple[Part, ...] = get_args(Part)
+"""What can be left out of a report, in its order; ``classical``: the classical evaluation with its construction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +51,19 @@ class Content:
     provenance: tuple[tuple[str, str], ...]
     problem: str
     figures: FigureSet
+
+    def only(self, parts: Collection[Part]) -> Content:
+        """Return some of the parts; title, facts, alarm and summary are in every report, which says what it shows."""
+        wanted = {"classical": "classical" in parts}  # by picture; the others are figures
+        return replace(
+            self,
+            facts=(*self.facts, ("this report shows", ", ".join(part for part in PARTS if part in parts))),
+            cards=self.cards if "verdicts" in parts else (),
+            notes=self.notes if "verdicts" in parts else (),
+            pictures=tuple(one for one in self.pictures if wanted.get(one.name, "figures" in parts)),
+            tables=tuple(one for one in self.tables if ("classical" if one.classical else "tables") in parts),
+            provenance=self.provenance if "provenance" in parts else (),
+        )
 
     @property
     def classical(self) -> tuple[Table, ...]:

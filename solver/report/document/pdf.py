@@ -78,10 +78,11 @@ def pdf_report(content: Content) -> bytes:
         story.append(_text("Tables", "heading"))
         for table in content.others:
             story += _table(table, width)
-    story += heading_of("Provenance", "heading")
-    story.append(_facts(content.provenance, width, columns=1))
-    story += heading_of("The problem", "subheading")
-    story += [_text(line, "code") for line in content.problem.splitlines()]
+    if content.provenance:
+        story += heading_of("Provenance", "heading")
+        story.append(_facts(content.provenance, width, columns=1))
+        story += heading_of("The problem", "subheading")
+        story += [_text(line, "code") for line in content.problem.splitlines()]
     footer = _footer(content.title)
     document.build(story, onFirstPage=footer, onLaterPages=footer)
     return stream.getvalue()

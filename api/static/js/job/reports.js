@@ -3,6 +3,13 @@ import { announce } from "../dom.js";
 import { request } from "../http.js";
 
 export function reports() {
+  const boxes = [...document.querySelectorAll("#parts input")];
+  document.getElementById("parts").addEventListener("change", ({ target }) => {
+    if (boxes.every(({ checked }) => !checked)) target.checked = true; // a report of nothing is none
+    const chosen = boxes.filter(({ checked }) => checked);
+    const words = new URLSearchParams(chosen.length < boxes.length ? chosen.map(({ value }) => ["part", value]) : []);
+    for (const link of document.querySelectorAll("a[data-made]")) link.search = words;
+  });
   for (const link of document.querySelectorAll("a[data-made]")) {
     link.addEventListener("click", (event) =>
       link.download ? saved(event, link) : announce("The report opens in a new tab after a few seconds."),
@@ -23,8 +30,8 @@ async function saved(event, link) {
   }, 1000);
   announce("Making the report …");
   try {
-    const { pathname } = new URL(link.href);
-    const made = URL.createObjectURL(await (await request("GET", pathname)).blob());
+    const { pathname, search } = new URL(link.href);
+    const made = URL.createObjectURL(await (await request("GET", pathname + search)).blob());
     const save = Object.assign(document.createElement("a"), { href: made, download: link.download });
     save.click();
     setTimeout(() => URL.revokeObjectURL(made), 60_000);
