@@ -1,6 +1,6 @@
 // When each worker ran an evaluation, and which of them failed.
 import { announce, element, empty, exchange, svg } from "../dom.js";
-import { count, duration } from "../format.js";
+import { count, duration, number } from "../format.js";
 import { get } from "../http.js";
 import { paced } from "../pace.js";
 import { ENDED } from "../states.js";
@@ -32,6 +32,8 @@ export function timeline(view) {
     const workers = [...new Set(runs.map(({ worker }) => worker ?? "unknown"))].sort();
     const height = TOP + LANE * workers.length + BOTTOM,
       bottom = height - BOTTOM;
+    const busy = runs.reduce((sum, { from, to }) => sum + to - from, 0) / (workers.length * length);
+    const pace = `${number((60 * runs.length) / length, 3)} runs a minute; workers calculated for ${Math.round(100 * Math.min(1, busy))} % of the time.`;
     const at = (seconds) => `${((100 * seconds) / length).toFixed(3)}%`;
     const failed = runs.filter(({ state }) => state === "failed").length;
     const bar = (one) =>
@@ -52,7 +54,7 @@ export function timeline(view) {
       element(
         "p",
         { class: "help" },
-        `${count(runs.length)} runs on ${workers.length === 1 ? "one worker" : `${workers.length} workers`} in ${duration(length)}${failed ? `, ${count(failed)} of them failed` : ""}.${more || begin ? ` These are runs ${count(begin + 1)} to ${count(begin + items.length)} of ${count(Math.max(view.job.evaluations, begin + items.length))}.` : ""}`,
+        `${count(runs.length)} runs on ${workers.length === 1 ? "one worker" : `${workers.length} workers`} in ${duration(length)}${failed ? `, ${count(failed)} of them failed` : ""}. ${pace}${more || begin ? ` These are runs ${count(begin + 1)} to ${count(begin + items.length)} of ${count(Math.max(view.job.evaluations, begin + items.length))}.` : ""}`,
       ),
       more || begin
         ? element(
