@@ -21,7 +21,7 @@ def test_a_job_is_shared_and_no_longer_shared(full: Site, visit: Visit) -> None:
     page, _ = visit(full, f"/jobs/{job}", key=full.key("alice"))
     page.get_by_role("button", name="Share …").click()
     expect(page.get_by_role("dialog")).to_contain_text("There are no links to this job.")
-    page.get_by_label("For", exact=True).fill("Dr. Reviewer")
+    page.get_by_label("For whom").fill("Dr. Reviewer")
     page.get_by_role("button", name="Make a link").click()
     made = page.get_by_role("dialog", name="New link")
     link = made.locator("code").inner_text()

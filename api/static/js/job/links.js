@@ -64,8 +64,8 @@ export function links({ id }) {
     element(
       "label",
       {},
-      "For",
-      element("input", { name: "label", maxlength: 200, autocomplete: "off", placeholder: "whom it is for" }),
+      "For whom",
+      element("input", { name: "label", maxlength: 200, autocomplete: "off", placeholder: "reviewer" }),
     ),
     element(
       "label",
@@ -99,7 +99,7 @@ function table(items, revoke) {
     element(
       "table",
       {},
-      tableHead(["For", "State", "Expires", "Last used", ""]),
+      tableHead(["For whom", "State", "Expires", "Last used", ""]),
       element(
         "tbody",
         {},
