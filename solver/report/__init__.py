@@ -9,6 +9,7 @@
 ``folder``       the files of ``geoswarm run --output``, written and read again
 ``figures``      one module a figure (matplotlib), palette and sizes
 ``document``     contents of a report, as HTML and PDF (need the ``plots`` extra)
+``parts``        which parts of a report can be left out
 ``compared``     another set of parameters, such as a published one, beside the result of a run
 ``compression``  the compression curve of a laboratory test: void ratio, or strain, at the ends of the stages over log
                  stress

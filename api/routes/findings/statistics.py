@@ -14,8 +14,8 @@ from geoswarm.api.schemas.statistics import FigureList
 from geoswarm.api.views import WantedReport, WantedView, read_record
 from geoswarm.records.statistics import ReweightAnswer, StatisticsAnswer
 from geoswarm.solver.problem.weighting import Weighting
-from geoswarm.solver.report.document.content import PARTS, Part
 from geoswarm.solver.report.figures.style import figures_available, png_of, svg_of
+from geoswarm.solver.report.parts import PARTS, Part
 from geoswarm.solver.system.extras import needs_extra
 from geoswarm.workers.service.job_service import JobService
 

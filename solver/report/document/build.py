@@ -25,11 +25,12 @@ from geoswarm.solver.identifiability.stored.linearised import jacobian_from_samp
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.progress.result import CalibrationResult
 from geoswarm.solver.report.compared import Compared
-from geoswarm.solver.report.document.content import PARTS, Content, Part, report_content
+from geoswarm.solver.report.document.content import Content, report_content
 from geoswarm.solver.report.document.html import html_fragment, html_report
 from geoswarm.solver.report.document.pdf import pdf_report
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.style import save_figure
+from geoswarm.solver.report.parts import PARTS, Part
 from geoswarm.solver.report.record import RunRecord, record_of_result
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.system.processes import without_garbage_collection

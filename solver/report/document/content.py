@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any
 
 from geoswarm.solver.identifiability import Statistics
 from geoswarm.solver.identifiability.misfits import headline_of
@@ -23,16 +23,12 @@ from geoswarm.solver.report.document.series_table import comparison_table, serie
 from geoswarm.solver.report.document.uncertainty_tables import left_out_table, uncertainty_tables
 from geoswarm.solver.report.figures.figure_set import FigureSet
 from geoswarm.solver.report.figures.labels import ParameterLabel, parameter_labels
+from geoswarm.solver.report.parts import PARTS, Part
 from geoswarm.solver.report.record import BestFit, RunRecord, method_in_words
 from geoswarm.solver.report.uncertainty import NOTHING_FURTHER, Uncertainty
 from geoswarm.solver.words import duration, ends, number, reasons_in_words, typeset
 
-__all__ = ["PARTS", "Content", "Part", "report_content"]
-
-
-Part: TypeAlias = Literal["verdicts", "figures", "classical", "tables", "provenance"]
-PARTS: tuple[Part, ...] = get_args(Part)
-"""What can be left out of a report, in its order; ``classical``: the classical evaluation with its construction."""
+__all__ = ["Content", "report_content"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -149,7 +149,7 @@ def _facts(facts: Sequence[tuple[str, str]], width: float, columns: int = 3) -> 
     if columns == 1:
         return Grid(cells, colWidths=[0.22 * width, 0.78 * width], style=_grid_style(lines=False), hAlign="LEFT")
     rows = [cells[i : i + columns] for i in range(0, len(cells), columns)]
-    rows[-1] += [[""]] * (columns - len(rows[-1]))
+    rows[-1] += [[_text("", "body")]] * (columns - len(rows[-1]))
     return Grid(rows, colWidths=[width / columns] * columns, style=_grid_style(lines=False), hAlign="LEFT")
 
 
