@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import json
 import posixpath
 import re
 import threading
@@ -32,6 +33,7 @@ PLOTLY = "plotly.min.js"
 MEDIA_TYPES = {
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
+    ".json": "application/json",
     ".svg": "image/svg+xml",
 }
 IMPORTED = re.compile(r"""^(?:import|export)\b[^"']*["'](\.{1,2}/[^"']+)["']""", re.MULTILINE)
@@ -62,6 +64,11 @@ class Assets:
         files = sorted(path for path in FOLDER.rglob("*") if path.suffix in MEDIA_TYPES)
         self._assets = {
             path.relative_to(FOLDER).as_posix(): _Asset(path.read_bytes(), MEDIA_TYPES[path.suffix]) for path in files
+        }
+        self.languages = {
+            Path(name).stem: str(json.loads(asset.body)["name"])
+            for name, asset in self._assets.items()
+            if name.startswith("languages/")
         }
         plotly = _plotly()
         digest = hashlib.sha256(str(plotly.stat().st_size).encode())

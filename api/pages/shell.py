@@ -72,7 +72,7 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
     plots
         Whether Plotly is used, which needs inline styles allowed.
     values
-        What the template names beside ``static``, ``modules``, ``plotly``, ``view``, ``owner``, ``is_admin``,
+        What the template names beside ``static``, ``modules``, ``plotly``, ``languages``, ``view``, ``owner``, ``is_admin``,
         ``may_submit``, ``signed_in`` and ``only_job``.
     """
     identity: Identity | None = getattr(request.state, "identity", None)
@@ -83,6 +83,7 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
         static=static,
         modules=assets.modules(view),
         plotly=f"{static}/{PLOTLY}" if plots else None,
+        languages=assets.languages,
         known=identity is not None,
         owner=None if identity is None else identity.principal.owner,
         is_admin=identity is not None and identity.principal.may("admin"),

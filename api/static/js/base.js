@@ -1,7 +1,8 @@
-// On every page: the theme's button and signing out.
+// On every page: the language, the theme's button and signing out.
 import { send } from "./http.js";
 import { announce } from "./dom.js";
 import { age, moment } from "./format.js";
+import "./language.js";
 
 const THEMES = ["system", "light", "dark"];
 const button = document.getElementById("theme");
@@ -30,6 +31,17 @@ button.addEventListener("click", () => {
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () =>
   document.dispatchEvent(new Event("themechange")),
 );
+
+const language = document.getElementById("language");
+language.value = document.documentElement.lang;
+language.addEventListener("change", () => {
+  try {
+    localStorage.setItem("language", language.value);
+    location.reload();
+  } catch {
+    announce("This browser keeps no choice of a language: change the language of the browser.");
+  }
+});
 
 document.getElementById("sign-out")?.addEventListener("click", async () => {
   try {

@@ -1,4 +1,5 @@
 // Small helpers for elements, dialogs and messages.
+import { translateBelow } from "./language.js";
 
 /**
  * An element: `element("button", {type: "button", class: "quiet", onclick: act, dataset: {job: id}}, "Pause")`.
@@ -81,6 +82,7 @@ function held(place) {
   const { id, localName: kind, selectionStart: start, selectionEnd: end } = active,
     name = control(active);
   return () => {
+    translateBelow(place);
     const again = id
       ? document.getElementById(id)
       : [...place.querySelectorAll(kind)].find((node) => control(node) === name);

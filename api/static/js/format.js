@@ -1,4 +1,5 @@
 // Numbers, units and times for readers.
+import { locale } from "./language.js";
 
 /** A number with this number of significant digits, `1.2·10⁻⁵` where that is shorter; a dash for what is not a number. */
 export function number(value, digits = 4) {
@@ -113,7 +114,7 @@ export function age(timestamp, now = Date.now()) {
 
 /** A timestamp in the reader's own time zone. */
 export function moment(timestamp) {
-  return timestamp ? new Date(timestamp).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "medium" }) : "–";
+  return timestamp ? new Date(timestamp).toLocaleString(locale(), { dateStyle: "medium", timeStyle: "medium" }) : "–";
 }
 
 const SYMBOLS = {

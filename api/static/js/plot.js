@@ -1,6 +1,7 @@
 // Plotly in the page's colours; plots that follow the theme and can be read as a table.
 import { announce, element, tableHead, wide } from "./dom.js";
 import { number } from "./format.js";
+import { separators, translate } from "./language.js";
 
 let loading = null;
 
@@ -76,7 +77,7 @@ function dressed(layout) {
     hoverlabel: { bgcolor: colour("--raised"), bordercolor: edge, font: { color: ink } },
     modebar: { bgcolor: "rgba(0,0,0,0)", color: muted, activecolor: ink },
     hovermode: "closest",
-    separators: ".\u202f",
+    separators,
   };
   const dress = merged(base, layout);
   for (const name of new Set([
@@ -88,6 +89,17 @@ function dressed(layout) {
     dress[name] = merged({ ...axis, ...sparse }, layout?.[name]);
   }
   return dress;
+}
+
+const WORDED = new Set(["text", "name", "title", "hovertext", "hovertemplate", "ticktext", "label"]);
+
+/** Data or layout with its texts in the language of the page. */
+function inWords(value, worded = false) {
+  if (typeof value === "string") return worded ? translate(value) : value;
+  if (Array.isArray(value))
+    return worded || value[0]?.constructor === Object ? value.map((one) => inWords(one, worded)) : value;
+  if (value?.constructor !== Object) return value;
+  return Object.fromEntries(Object.entries(value).map(([key, one]) => [key, inWords(one, WORDED.has(key))]));
 }
 
 const NARROW = 720; // px: the toolbar would lie upon the legend, and fingers zoom without it
@@ -136,7 +148,7 @@ export function plot(place, make) {
     frame.setAttribute("aria-label", shown.label);
     table.hidden = files.hidden = !shown.columns;
     if (table.open && shown.columns) fillTable(table, shown.columns);
-    await Plotly.react(frame, shown.data, dressed(shown.layout), {
+    await Plotly.react(frame, inWords(shown.data), inWords(dressed(shown.layout)), {
       ...CONFIG,
       displayModeBar: innerWidth < NARROW ? false : "hover",
       ...shown.config,

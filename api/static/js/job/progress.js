@@ -2,6 +2,7 @@
 import { element, exchange } from "../dom.js";
 import { count, duration, number } from "../format.js";
 import { get } from "../http.js";
+import { translate } from "../language.js";
 import { LATER } from "../pace.js";
 import { ENDED, OPEN } from "../states.js";
 
@@ -122,7 +123,8 @@ export function progress(view) {
     job({ state, name }) {
       place.hidden = !OPEN.has(state);
       title();
-      if (ENDED.has(state) && before !== null && !ENDED.has(before) && told) new Notification(`${name}: ${state}`);
+      if (ENDED.has(state) && before !== null && !ENDED.has(before) && told)
+        new Notification(`${name}: ${translate(state)}`);
       if (before !== state && OPEN.has(state)) look();
       before = state;
     },

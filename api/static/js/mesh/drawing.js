@@ -1,4 +1,5 @@
 // Paints a body on a canvas: regions or contours, deformed as wanted, with its mesh, outline and vectors.
+import { translate } from "../language.js";
 import { COLOURS, tickText, ticks } from "../scales.js";
 import { colour, palette } from "../plot.js";
 import { PIECES, between, roundDown, thickness } from "./geometry.js";
@@ -198,7 +199,7 @@ function label(context, text, x, y, align = "center") {
   context.strokeStyle = colour("--paper");
   context.strokeText(text, x, y);
   context.fillStyle = colour("--ink");
-  context.fillText(text, x, y);
+  context.fillText(translate(text), x, y);
 }
 
 function points(context, mesh, pixels) {

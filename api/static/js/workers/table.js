@@ -59,8 +59,8 @@ function row(worker, name) {
     element("td", { class: "is" }, element("span", { class: `state ${worker.state}` }, worker.state)),
     element("td", { class: worker.state === "busy" ? "runs" : "runs nothing" }, ...work(worker)),
     element("td", { class: "for" }, busy),
-    element("td", { class: "started" }, when(worker.started_at)),
-    element("td", { class: "seen" }, when(worker.seen_at)),
+    element("td", { class: "started", "data-label": "started" }, when(worker.started_at)),
+    element("td", { class: "seen", "data-label": "seen" }, when(worker.seen_at)),
   );
 }
 

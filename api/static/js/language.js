@@ -1,0 +1,193 @@
+// The pages in other languages: what stands on a page in English is replaced as it appears, by a catalogue of phrases.
+//
+// A catalogue is a file `languages/CODE.json`: {name, decimal, phrases: {English: phrase}}. `{}` stands for what is
+// inserted, in the same order in both; `{2} … {1}` says another order. What stands under translate="no", in code and
+// in fields stays as it is. theme.js has chosen the language, and asked for the file, before the first paint.
+
+const LETTERS = /\p{L}{2}/u;
+const NUMBER = /(?<![\p{L}\d_.])\d[\d\u202f]*(?:\.\d+)?(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?/gu;
+const DECIMAL = /(?<![\p{L}\d_.])(\d[\d\u202f]*)\.(\d+)(?![\p{L}\d_]|\.\d)/gu;
+const UNITS = /^(?:[munµ]?m[²³]?|[kMG]?Pa|kN(?:\/m[²³]?)?|min|ms|h|d|s|day|base|deg|°|[\d\s./·²³⁻⁴^*-])+$/;
+const SHORTENED = "Mech|Eng|Geotech|Geotechn|Found|Int|Num|J|Proc|Conf|Soils|ed|No|Fig|Eq|e\\.g|i\\.e|cf|Mater|Frict|Numer|Anal";
+const SENTENCES = new RegExp(`(?<=(?<!\\b(?:${SHORTENED}))[.!?…]) (?=\\S)`);
+const CLAUSES = /(?<=[:;]) (?=\S)/;
+const CUTS = [
+  [" · ", " · "],
+  [SENTENCES, " "],
+  [CLAUSES, " "],
+];
+const EDGES = /^([\s,;:·()[\]“”"–—…⚠×→←▲▼+=<≤≥-]*)(.*?)([\s,;:·()[\]“”"–—…×→←▲▼.?]*)$/su;
+const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt", "label", "aria-valuetext", "data-label"];
+const KEPT = "script,style,code,pre,textarea,[translate=no]";
+const SHORT = 12; // letters of a pattern that is asked only after a text has been cut into its sentences
+
+/** What translates texts by a catalogue: `translate(text)`; `missing` collects what it has no phrase for. */
+export class Translator {
+  constructor({ decimal = ".", phrases = {} }) {
+    this.decimal = decimal;
+    this.missing = new Set();
+    this.exact = new Map();
+    this.patterns = [];
+    this.known = new Map();
+    this.routes = new Map();
+    for (const [english, phrase] of Object.entries(phrases)) {
+      if (!english.includes("{}")) this.exact.set(english, phrase);
+      else if (LETTERS.test(english)) this.patterns.push(pattern(english, phrase));
+    }
+    this.patterns.sort((one, other) => other.size - one.size);
+  }
+
+  /** A text of the page in the language; with its decimals, also where there is no phrase for it. */
+  translate(text) {
+    let found = this.known.get(text);
+    if (found === undefined) {
+      if (this.known.size > 20_000) this.known.clear();
+      found = this.numbers(this.whole(text));
+      this.known.set(text, found);
+    }
+    return found;
+  }
+
+  /** Numbers as the language writes them. */
+  numbers(text) {
+    return this.decimal === "." ? text : text.replace(DECIMAL, `$1${this.decimal}$2`);
+  }
+
+  whole(text) {
+    if (!LETTERS.test(text) || UNITS.test(text)) return text;
+    const [, before, inner, after] = /^(\s*)(.*?)(\s*)$/su.exec(text);
+    const plain = inner.replace(/[^\S\u00a0\u202f]+/g, " ");
+    const found = this.phrase(plain);
+    if (found !== null) return before + found + after;
+    this.missing.add(plain);
+    return text;
+  }
+
+  /** The phrase for a text, or for its parts; null where no part has one. */
+  phrase(text) {
+    const whole = this.exact.get(text) ?? this.matched(text, SHORT, Infinity);
+    if (whole !== null && whole !== undefined) return whole;
+    for (const [cut, joined] of CUTS) {
+      const parts = text.split(cut);
+      if (parts.length > 1) return parts.map((part) => this.whole(part)).join(joined);
+    }
+    const short = this.matched(text, 0, SHORT);
+    if (short !== null) return short;
+    const [, before, inner, after] = EDGES.exec(text);
+    if (!inner || inner === text) return null;
+    if (!LETTERS.test(inner) || UNITS.test(inner)) return text;
+    const found = this.exact.get(inner) ?? this.matched(inner, 0, Infinity);
+    return found === null || found === undefined ? null : before + found + after;
+  }
+
+  /** By a pattern of `least` to `most` letters; texts that differ in numbers alone go by the same one. */
+  matched(text, least, most) {
+    const kind = `${least} ${text.replace(NUMBER, "#")}`;
+    let route = this.routes.get(kind);
+    if (route === undefined) {
+      route = this.patterns.find((one) => fits(one, text, least, most)) ?? null;
+      this.routes.set(kind, route);
+    }
+    const found = route?.expression.exec(text);
+    if (!found) return null;
+    const inserted = found.slice(1).map((part) => (part ? this.whole(part) : ""));
+    return route.make(inserted);
+  }
+}
+
+const fits = ({ size, longest, expression }, text, least, most) =>
+  size >= least && size < most && text.includes(longest) && expression.test(text);
+
+function pattern(english, phrase) {
+  const pieces = english.split("{}");
+  const escaped = pieces.map((piece) => piece.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+  const parts = phrase.split(/(\{\d*\})/);
+  return {
+    size: pieces.join("").length,
+    longest: pieces.reduce((best, piece) => (piece.length > best.length ? piece : best), ""),
+    expression: new RegExp(`^${escaped.join("(.*?)")}$`, "su"),
+    make(inserted) {
+      let next = 0;
+      return parts.map((part, i) => (i % 2 ? inserted[Number(part.slice(1, -1) || ++next) - 1] : part)).join("");
+    },
+  };
+}
+
+const root = globalThis.document?.documentElement;
+const translator = root && root.lang !== "en" ? await loaded() : null;
+
+async function loaded() {
+  try {
+    return new Translator(await (await window.catalogue).json());
+  } catch {
+    root.lang = "en"; // the page is better in English than not at all
+    delete root.dataset.waits;
+    return null;
+  }
+}
+
+/** A text that is not put on the page as text: on a canvas, in a plot, in a notification. */
+export const translate = (text) => (translator && typeof text === "string" ? translator.translate(text) : text);
+
+/** What stands for decimal point and thousands, as Plotly takes it. */
+export const separators = `${translator?.decimal ?? "."}\u202f`;
+
+/** For dates: the reader's own way of writing them where that is in the page's language. */
+export const locale = () => (navigator.language.startsWith(root.lang) ? undefined : root.lang);
+
+/** Texts of this page without a phrase. */
+export const untranslated = () => [...(translator?.missing ?? [])];
+
+const made = new WeakMap(); // node: what was put there, which is not translated again
+
+function put(node, name, text, set) {
+  const last = made.get(node)?.[name];
+  if (text === last || !text) return;
+  const now = translator.translate(text);
+  made.set(node, { ...made.get(node), [name]: now });
+  if (now !== text) set(now);
+}
+
+/** Translate what stands below a node now, not only once the browser says that it has changed. */
+export function translateBelow(node) {
+  if (!translator) return;
+  if (node.nodeType === Node.TEXT_NODE) {
+    if (node.parentElement && !node.parentElement.closest(KEPT))
+      put(node, "", node.data, (text) => {
+        node.data = text;
+      });
+  } else if (node.nodeType === Node.ELEMENT_NODE && !node.closest(KEPT)) {
+    for (const name of ATTRIBUTES)
+      put(node, name, node.getAttribute(name), (text) => {
+        node.setAttribute(name, text);
+      });
+    for (const child of node.childNodes) translateBelow(child);
+  } else if (node.nodeType === Node.ELEMENT_NODE && node.localName === "textarea") {
+    put(node, "placeholder", node.getAttribute("placeholder"), (text) => {
+      node.placeholder = text;
+    });
+  }
+}
+
+if (translator) {
+  translateBelow(root);
+  delete root.dataset.waits;
+  new MutationObserver((changes) => {
+    for (const { type, target, addedNodes } of changes) {
+      if (type === "childList") addedNodes.forEach(translateBelow);
+      else if (type === "characterData") translateBelow(target);
+      else
+        for (const name of ATTRIBUTES)
+          if (!target.closest(KEPT))
+            put(target, name, target.getAttribute(name), (text) => {
+              target.setAttribute(name, text);
+            });
+    }
+  }).observe(root, {
+    subtree: true,
+    childList: true,
+    characterData: true,
+    attributes: true,
+    attributeFilter: ATTRIBUTES,
+  });
+}
