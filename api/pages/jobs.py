@@ -109,10 +109,15 @@ def jobs_page(
     filters = JobFilters(states, text or None, whose or None, key, ascending, tagged or None, parents)
     page = service.list(filters, limit=PAGE, cursor=cursor or None, trend=POINTS)
     follow_ups: dict[str, list[Job]] = {}
+    more: dict[str, int] = {}
     if parents == () and page.items:
         below = JobFilters(sort=key, ascending=ascending, parents=tuple(job.id for job in page.items))
-        for job in service.list(below, limit=MOST_FOLLOW_UPS, trend=POINTS).items:
+        listed = service.list(below, limit=MOST_FOLLOW_UPS, trend=POINTS)
+        for job in listed.items:
             follow_ups.setdefault(job.parent or "", []).append(job)
+        if listed.next_cursor is not None:
+            every = {job.id: service.count(JobFilters(parents=(job.id,))) for job in page.items}
+            more = {job_id: count for job_id, count in every.items() if count > len(follow_ups.get(job_id, ()))}
     chosen_columns = [name for name in dict.fromkeys(named.split(",")) if name][:MOST_COLUMNS]
     chosen = {
         "q": text,
@@ -133,6 +138,8 @@ def jobs_page(
         chosen=chosen,
         filtered=filtered,
         follow_ups=follow_ups,
+        more=more,
+        most_follow_ups=MOST_FOLLOW_UPS,
         columns=chosen_columns,
         total=service.count(filters),
         rising=filters.rising,

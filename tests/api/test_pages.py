@@ -38,6 +38,25 @@ def test_a_waiting_job_is_followed_live(app: App) -> None:
     assert "No evaluation has succeeded yet." in page
 
 
+def test_a_list_says_where_it_leaves_out_follow_ups(app: App, monkeypatch: pytest.MonkeyPatch) -> None:
+    job, other = (app.post(f"{API}/jobs", json=line_problem()).json()["id"] for _ in range(2))
+    for of in (other, job, job, job):
+        method = {"kind": "sensitivity", "at": {"a": 1.0, "b": 2.0}, "of": of}
+        document = line_problem(name="below", method=method, stopping={})
+        del document["answer"]
+        assert app.post(f"{API}/jobs", json=document).json()["parent"] == of
+    monkeypatch.setattr("geoswarm.api.pages.jobs.MOST_FOLLOW_UPS", 4)
+    assert "A page lists at most" not in app.get("/").text
+    monkeypatch.setattr("geoswarm.api.pages.jobs.MOST_FOLLOW_UPS", 3)
+    page = app.get("/").text
+    assert "A page lists at most 3 follow-ups below its jobs" in page
+    assert "all follow-ups (3)" not in page  # the newest three, all of this job, are listed
+    assert f'<a href="/?parent={other}">all follow-ups (1)</a>' in page
+    monkeypatch.setattr("geoswarm.api.pages.jobs.MOST_FOLLOW_UPS", 1)
+    assert f'<a href="/?parent={job}">all follow-ups (3)</a>' in app.get("/").text
+    assert app.get(f"/?parent={job}").text.count(">below</a>") == 3
+
+
 def test_names_are_escaped(app: App) -> None:
     job = app.post(f"{API}/jobs", json=line_problem(name="<script>alert(1)</script>")).json()["id"]
     for page in (app.get("/").text, app.get(f"/jobs/{job}").text):
