@@ -64,10 +64,11 @@ class FoundValue:
 def found(job: Job, names: Sequence[str]) -> list[FoundValue]:
     """Return those of the parameters that a job has, none before an evaluation has succeeded."""
     values = []
+    known = job.parameters or {}
     for name in names:
-        if name not in (job.parameters or {}):
+        if name not in known:
             continue
-        value, interval = (job.parameters or {})[name], (job.intervals or {}).get(name)
+        value, interval = known[name], (job.intervals or {}).get(name)
         digits = 4 if interval is None else interval_digits(*interval)
         told = tuple(number(end, digits) for end in interval or ())
         doubt = None
