@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
+from typing import get_args
 
 import pytest
 
@@ -9,6 +10,7 @@ from geoswarm.api.pages.convergence import LEFT, PLOT_WIDTH, RIGHT, convergence
 from geoswarm.api.pages.service import own_address
 from geoswarm.api.pages.shell import number
 from geoswarm.records.job import Generation
+from geoswarm.solver.report.parts import LABELS, PARTS, Part
 from tests.api.conftest import API, App, line_problem
 
 
@@ -55,6 +57,13 @@ def test_a_list_says_where_it_leaves_out_follow_ups(app: App, monkeypatch: pytes
     monkeypatch.setattr("geoswarm.api.pages.jobs.MOST_FOLLOW_UPS", 1)
     assert f'<a href="/?parent={job}">all follow-ups (3)</a>' in app.get("/").text
     assert app.get(f"/?parent={job}").text.count(">below</a>") == 3
+
+
+def test_every_part_of_a_report_can_be_chosen(app: App) -> None:
+    job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
+    choices = re.findall(r'name="part" value="(\w+)" checked> ([\w ]+)<', app.get(f"/jobs/{job}/data").text)
+    assert choices == list(LABELS.items())
+    assert PARTS == get_args(Part)
 
 
 def test_names_are_escaped(app: App) -> None:
