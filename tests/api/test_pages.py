@@ -63,7 +63,7 @@ def test_every_part_of_a_report_can_be_chosen(app: App) -> None:
     job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
     choices = re.findall(r'name="part" value="(\w+)" checked> ([\w ]+)<', app.get(f"/jobs/{job}/data").text)
     assert choices == list(LABELS.items())
-    assert PARTS == get_args(Part)
+    assert get_args(Part) == PARTS
 
 
 def test_names_are_escaped(app: App) -> None:
