@@ -12,6 +12,7 @@ from geoswarm.api.dependencies import JobId, Service
 from geoswarm.api.pages.convergence import convergence
 from geoswarm.api.pages.shell import render
 from geoswarm.solver.methods.registry import find_method
+from geoswarm.solver.report.parts import LABELS
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.service.job_service import JobService
 from geoswarm.workers.service.media_types import ENDINGS
@@ -48,7 +49,7 @@ def fit_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
 @router.get("/jobs/{job_id}/data", name="data_page")
 def data_page(job_id: JobId, service: Service, request: Request) -> HTMLResponse:
     """Show the problem and the readings of a job, and everything as files."""
-    return render(request, "data", **job_frame(service, job_id))
+    return render(request, "data", parts=LABELS, **job_frame(service, job_id))
 
 
 def job_frame(service: JobService, job_id: str) -> dict[str, Any]:

@@ -64,10 +64,11 @@ class FoundValue:
 def found(job: Job, names: Sequence[str]) -> list[FoundValue]:
     """Return those of the parameters that a job has, none before an evaluation has succeeded."""
     values = []
+    known = job.parameters or {}
     for name in names:
-        if name not in (job.parameters or {}):
+        if name not in known:
             continue
-        value, interval = (job.parameters or {})[name], (job.intervals or {}).get(name)
+        value, interval = known[name], (job.intervals or {}).get(name)
         digits = 4 if interval is None else interval_digits(*interval)
         told = tuple(number(end, digits) for end in interval or ())
         doubt = None
@@ -109,10 +110,15 @@ def jobs_page(
     filters = JobFilters(states, text or None, whose or None, key, ascending, tagged or None, parents)
     page = service.list(filters, limit=PAGE, cursor=cursor or None, trend=POINTS)
     follow_ups: dict[str, list[Job]] = {}
+    more: dict[str, int] = {}
     if parents == () and page.items:
         below = JobFilters(sort=key, ascending=ascending, parents=tuple(job.id for job in page.items))
-        for job in service.list(below, limit=MOST_FOLLOW_UPS, trend=POINTS).items:
+        listed = service.list(below, limit=MOST_FOLLOW_UPS, trend=POINTS)
+        for job in listed.items:
             follow_ups.setdefault(job.parent or "", []).append(job)
+        if listed.next_cursor is not None:
+            every = {job.id: service.count(JobFilters(parents=(job.id,))) for job in page.items}
+            more = {job_id: count for job_id, count in every.items() if count > len(follow_ups.get(job_id, ()))}
     chosen_columns = [name for name in dict.fromkeys(named.split(",")) if name][:MOST_COLUMNS]
     chosen = {
         "q": text,
@@ -133,6 +139,8 @@ def jobs_page(
         chosen=chosen,
         filtered=filtered,
         follow_ups=follow_ups,
+        more=more,
+        most_follow_ups=MOST_FOLLOW_UPS,
         columns=chosen_columns,
         total=service.count(filters),
         rising=filters.rising,

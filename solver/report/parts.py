@@ -5,11 +5,20 @@ Apart from what makes reports: the API names the parts without loading it.
 
 from __future__ import annotations
 
-from typing import Literal, TypeAlias, get_args
+from collections.abc import Mapping
+from typing import Literal, TypeAlias
 
-__all__ = ["PARTS", "Part"]
+__all__ = ["LABELS", "PARTS", "Part"]
 
 Part: TypeAlias = Literal["verdicts", "figures", "classical", "tables", "provenance"]
 
-PARTS: tuple[Part, ...] = get_args(Part)
-"""In the order of the report; ``classical``: the classical evaluation with its construction."""
+LABELS: Mapping[Part, str] = {
+    "verdicts": "Verdicts",
+    "figures": "Figures",
+    "classical": "Classical evaluation",
+    "tables": "Tables",
+    "provenance": "Provenance and problem",
+}
+"""Part, in the order of the report -> how a page names it. The classical evaluation has its construction."""
+
+PARTS: tuple[Part, ...] = tuple(LABELS)

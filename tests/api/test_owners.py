@@ -237,3 +237,37 @@ def test_odd_keys_are_just_wrong(users: Users, key: str) -> None:
         f"{API}/jobs", headers={"X-API-Key": key.encode("latin-1").decode("latin-1").encode("latin-1")}
     )
     assert answer.status_code == 401
+
+
+def test_an_administrator_follows_up_the_job_of_another(engine: Engine) -> None:
+    users = Users(engine.service)
+    job = users("alice", "POST", f"{API}/jobs", json=line_problem(name="followed")).json()["id"]
+    assert wait_for_end(engine.service, job).state == "finished"
+    assert users("bob", "POST", f"{API}/jobs/{job}/sensitivity").status_code == 404
+    made = users("chief", "POST", f"{API}/jobs/{job}/sensitivity", role="admin").json()
+    assert (made["owner"], made["parent"]) == ("chief", job)
+    below = made["id"]
+    assert wait_for_end(engine.service, below).state == "finished"
+
+    # The administrator finds it below its job, and is led back from it.
+    listed = users("chief", "GET", f"{API}/jobs", role="admin", params={"parent": job}).json()["items"]
+    assert [one["id"] for one in listed] == [below]
+    assert (
+        f'follow-up of <a href="/jobs/{job}">followed</a>' in users("chief", "GET", f"/jobs/{below}", role="admin").text
+    )
+    found = users("chief", "GET", f"{API}/jobs/{job}/uncertainty", role="admin").json()
+    assert [one["id"] for one in found["follow_ups"]] == [below]
+
+    # The owner of the job has what it found, and not the job that found it.
+    shown = users("alice", "GET", f"{API}/jobs/{job}/uncertainty")
+    assert shown.json()["linearisation"] == found["linearisation"] is not None
+    assert below not in shown.text
+    assert users("alice", "GET", f"{API}/jobs/{below}").status_code == 404
+    assert users("alice", "GET", f"{API}/jobs", params={"parent": job}).json()["items"] == []
+
+    # With a key that sees only its owner's, the follow-up has no job to stand below.
+    alone = users("chief", "GET", f"{API}/jobs", params={"parent": "none"}).json()["items"]
+    assert [one["id"] for one in alone] == [below]
+    assert "follow-up of a job that you may not see" in users("chief", "GET", f"/jobs/{below}").text
+    problem = users("chief", "GET", f"{API}/jobs/{below}/problem").json()
+    assert users("bob", "POST", f"{API}/jobs", json=problem).json()["parent"] is None

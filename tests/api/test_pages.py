@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 from datetime import UTC, datetime
+from typing import get_args
 
 import pytest
 
@@ -9,6 +10,7 @@ from geoswarm.api.pages.convergence import LEFT, PLOT_WIDTH, RIGHT, convergence
 from geoswarm.api.pages.service import own_address
 from geoswarm.api.pages.shell import number
 from geoswarm.records.job import Generation
+from geoswarm.solver.report.parts import LABELS, PARTS, Part
 from tests.api.conftest import API, App, line_problem
 
 
@@ -36,6 +38,32 @@ def test_a_waiting_job_is_followed_live(app: App) -> None:
     page = app.get(f"/jobs/{job}").text
     assert f'data-job="{job}" data-state="queued"' in page
     assert "No evaluation has succeeded yet." in page
+
+
+def test_a_list_says_where_it_leaves_out_follow_ups(app: App, monkeypatch: pytest.MonkeyPatch) -> None:
+    job, other = (app.post(f"{API}/jobs", json=line_problem()).json()["id"] for _ in range(2))
+    for of in (other, job, job, job):
+        method = {"kind": "sensitivity", "at": {"a": 1.0, "b": 2.0}, "of": of}
+        document = line_problem(name="below", method=method, stopping={})
+        del document["answer"]
+        assert app.post(f"{API}/jobs", json=document).json()["parent"] == of
+    monkeypatch.setattr("geoswarm.api.pages.jobs.MOST_FOLLOW_UPS", 4)
+    assert "A page lists at most" not in app.get("/").text
+    monkeypatch.setattr("geoswarm.api.pages.jobs.MOST_FOLLOW_UPS", 3)
+    page = app.get("/").text
+    assert "A page lists at most 3 follow-ups below its jobs" in page
+    assert "all follow-ups (3)" not in page  # the newest three, all of this job, are listed
+    assert f'<a href="/?parent={other}">all follow-ups (1)</a>' in page
+    monkeypatch.setattr("geoswarm.api.pages.jobs.MOST_FOLLOW_UPS", 1)
+    assert f'<a href="/?parent={job}">all follow-ups (3)</a>' in app.get("/").text
+    assert app.get(f"/?parent={job}").text.count(">below</a>") == 3
+
+
+def test_every_part_of_a_report_can_be_chosen(app: App) -> None:
+    job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
+    choices = re.findall(r'name="part" value="(\w+)" checked> ([\w ]+)<', app.get(f"/jobs/{job}/data").text)
+    assert choices == list(LABELS.items())
+    assert get_args(Part) == PARTS
 
 
 def test_names_are_escaped(app: App) -> None:

@@ -156,6 +156,19 @@ def test_two_owners_at_once_do_not_both_take_the_last_room(
     assert "GEOSWARM_QUOTA_TOTAL_MB" in str(refused)
 
 
+def test_two_links_at_once_are_not_both_the_last_one(service: JobService, monkeypatch: pytest.MonkeyPatch) -> None:
+    alice = service.on_behalf_of(ALICE)
+    job_id = alice.submit(problem())[0].id
+    monkeypatch.setattr("geoswarm.workers.service.links.MOST_LINKS", 2)
+    alice.links.create(job_id, valid_seconds=60.0)
+    create = partial(alice.links.create, job_id, valid_seconds=60.0)
+    found = at_once(monkeypatch, "geoswarm.workers.queries.api_keys.list_keys", create, create)
+    (refused,) = [one for one in found if isinstance(one, QuotaExceededError)]
+    assert "the job has 2 valid links" in str(refused)
+    monkeypatch.undo()
+    assert len(alice.links.list(job_id)) == 2
+
+
 def test_stored_and_planned_evaluations_are_limited(service: JobService, make_worker: MakeWorker) -> None:
     alice = limited(service, ALICE, quota_evaluations=150)
     done, _ = alice.submit(problem())

@@ -90,7 +90,7 @@ def test_long_responses_make_fewer_evaluations(
     job_id, _ = job
     points = sum(o.x.size for o in service.statistics.stored(job_id).problem.observations)
     monkeypatch.setattr("geoswarm.workers.service.statistics.MOST_VALUES", 50 * points)
-    stored = StatisticsService(service.store, service._row, Cache()).stored(job_id)
+    stored = StatisticsService(service.store, service._row, Cache(), service.principal.sees).stored(job_id)
     assert stored.samples.size + stored.samples.left_out == 200
     assert 40 <= stored.samples.size <= 75
     assert float(stored.samples.objectives.min()) == service.get(job_id).objective

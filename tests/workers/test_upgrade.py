@@ -77,19 +77,35 @@ def test_jobs_go_on_from_every_schema_on_the_way(database_url: str, settings: Se
     check_that_it_goes_on(Store(settings), settings)
 
 
-def test_follow_ups_of_before_know_their_job(database_url: str) -> None:
+@pytest.mark.parametrize(
+    ("seeing", "other", "there"), [("alice", "bob", True), ("chief", "alice", False), (None, "bob", True)]
+)
+def test_follow_ups_of_before_know_their_job(database_url: str, seeing: str | None, other: str, there: bool) -> None:
+    """Those of its owner and of administrators do, not those of others, or of a job that is not there."""
     fill(database_url, "0001")
     engine = create_engine(database_url)
     with engine.begin() as connection:
-        ids = {row.name: row.id for row in connection.execute(text("SELECT id, name FROM jobs"))}
-        for name, of in (("half", ids["line"]), ("queued", "0" * 16)):
-            problem = json.dumps({"method": {"kind": "sensitivity", "of": of}}, separators=(",", ":"))
-            connection.execute(
-                text("UPDATE jobs SET problem = :problem WHERE name = :name"), {"problem": problem, "name": name}
-            )
         config = Config()
         config.set_main_option("script_location", str(VERSIONS.parent))
         config.attributes["connection"] = connection
+        command.upgrade(config, "0015")
+        connection.execute(
+            text(
+                "INSERT INTO api_keys (id, hash, owner, role, label, created_at)"
+                " VALUES ('1', '', 'chief', 'admin', '', 0), ('2', '', 'bob', 'submit', '', 0)"
+            )
+        )
+        ids = {row.name: row.id for row in connection.execute(text("SELECT id, name FROM jobs"))}
+        connection.execute(text("UPDATE jobs SET owner = 'alice' WHERE name = 'line'"))
+        for name, owner, of in (
+            ("half", seeing, ids["line"]),
+            ("queued", other, ids["line"] if there else "0" * 16),
+        ):
+            problem = json.dumps({"method": {"kind": "sensitivity", "of": of}}, separators=(",", ":"))
+            connection.execute(
+                text("UPDATE jobs SET owner = :owner, problem = :problem WHERE name = :name"),
+                {"owner": owner, "problem": problem, "name": name},
+            )
         command.upgrade(config, "0016")
         parents = {row.name: row.parent for row in connection.execute(text("SELECT name, parent FROM jobs"))}
     engine.dispose()

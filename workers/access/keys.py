@@ -9,6 +9,7 @@ import hashlib
 import hmac
 import re
 import secrets
+from collections.abc import Callable
 
 from sqlalchemy import Connection
 
@@ -42,6 +43,7 @@ class ApiKeys:
         label: str = "",
         valid_seconds: float | None = None,
         job_id: str | None = None,
+        admit: Callable[[Connection], None] | None = None,
     ) -> tuple[str, Key]:
         """Make a key; return it, this once, and what is stored of it.
 
@@ -53,6 +55,8 @@ class ApiKeys:
             Time until it expires [s]; None: never.
         job_id
             The only job of the owner that it can access, as the secret of a read-only link; None: all.
+        admit
+            Called first in the transaction that stores the key; raises when there may not be another one.
 
         Raises
         ------
@@ -77,6 +81,8 @@ class ApiKeys:
 
         def work(connection: Connection) -> Key:
             if api_keys.find_key(connection, key_id) is None:
+                if admit is not None:
+                    admit(connection)
                 api_keys.insert_key(connection, values, valid_seconds)
             return _view(_found(connection, key_id))
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 from sqlalchemy import Connection, select
 
@@ -16,16 +17,20 @@ from geoswarm.workers.store.codec import unpack_array, unpack_json, unpack_respo
 from geoswarm.workers.store.problems import problem_of
 from geoswarm.workers.store.tables import jobs
 
-__all__ = ["StoredFollowUp", "evaluations_in_order", "follow_ups_of"]
+__all__ = ["Sees", "StoredFollowUp", "evaluations_in_order", "find_parent", "follow_ups_of"]
 
 _MOST = 50
+
+Sees: TypeAlias = Callable[[str | None, str | None], bool]
+"""Whether somebody sees a job, by its owner and its id."""
 
 
 @dataclass(frozen=True, slots=True)
 class StoredFollowUp:
-    """A follow-up: its id, kind of method, state, number of evaluations, and seed."""
+    """A follow-up: its id, owner, kind of method, state, number of evaluations, and seed."""
 
     id: str
+    owner: str | None
     kind: str
     state: str
     evaluations: int
@@ -38,24 +43,25 @@ class StoredFollowUp:
         return problem_of(self.document)
 
 
-def find_parent(connection: Connection, problem: Problem, owner: str | None) -> str | None:
-    """Return the job of the owner whose follow-up a problem is; None: it is of none."""
+def find_parent(connection: Connection, problem: Problem, sees: Sees) -> str | None:
+    """Return the job whose follow-up a problem is; None: it is of none, or of one that its submitter does not see."""
     of = problem.document()["method"].get("of")
-    owned = jobs.c.owner.is_(None) if owner is None else jobs.c.owner == owner
-    found: str | None = None if of is None else connection.scalar(select(jobs.c.id).where(jobs.c.id == of, owned))
-    return found
+    if of is None:
+        return None
+    row = connection.execute(select(jobs.c.id, jobs.c.owner).where(jobs.c.id == of)).one_or_none()
+    return None if row is None or not sees(row.owner, row.id) else str(row.id)
 
 
 def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
     """Return the latest follow-ups of a job, the newest first; ``job`` is its row."""
-    columns = (jobs.c.id, jobs.c.method, jobs.c.state, jobs.c.evaluations, jobs.c.seed, jobs.c.problem)
+    columns = (jobs.c.id, jobs.c.owner, jobs.c.method, jobs.c.state, jobs.c.evaluations, jobs.c.seed, jobs.c.problem)
     rows = connection.execute(
         select(*columns)
         .where(jobs.c.method.in_(kinds_of("follow_up")), jobs.c.parent == job.id)
         .order_by(jobs.c.created_at.desc(), jobs.c.id)
         .limit(_MOST)
     )
-    return [StoredFollowUp(r.id, r.method, r.state, r.evaluations, r.seed, r.problem) for r in rows]
+    return [StoredFollowUp(r.id, r.owner, r.method, r.state, r.evaluations, r.seed, r.problem) for r in rows]
 
 
 def evaluations_in_order(connection: Connection, job_id: str, first: int = 0) -> list[Evaluation]:

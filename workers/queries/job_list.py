@@ -16,6 +16,7 @@ from sqlalchemy import (
     String,
     and_,
     bindparam,
+    exists,
     func,
     or_,
     select,
@@ -64,7 +65,7 @@ class JobFilters:
     tag
         Only jobs with this tag.
     parents
-        Only follow-ups of these jobs; empty: only jobs that are no follow-ups; None: all.
+        Only follow-ups of these jobs; empty: only jobs that are no follow-ups of a job that may be seen; None: all.
     sort, ascending
         Order; ``ascending`` None: newest, best or largest first, names from A to Z. What has no value comes last.
     """
@@ -99,9 +100,8 @@ def list_jobs(
         When the cursor does not belong to this order.
     """
     key = _key(filters)
-    statement = select(*VIEW_COLUMNS, key.label("sort_key"), database_now().label("now")).where(*_conditions(filters))
-    if owner is not None:
-        statement = statement.where(jobs.c.owner == owner)
+    statement = select(*VIEW_COLUMNS, key.label("sort_key"), database_now().label("now"))
+    statement = statement.where(*_conditions(filters, owner))
     if cursor is not None:
         place = tuple_(key, jobs.c.id)
         after = _decoded(filters, cursor)
@@ -117,9 +117,7 @@ def list_jobs(
 
 def count_jobs(connection: Connection, filters: JobFilters, *, owner: str | None) -> int:
     """Return the number of jobs that match, on all pages together; ``owner`` as for :func:`list_jobs`."""
-    statement = select(func.count()).select_from(jobs).where(*_conditions(filters))
-    if owner is not None:
-        statement = statement.where(jobs.c.owner == owner)
+    statement = select(func.count()).select_from(jobs).where(*_conditions(filters, owner))
     return connection.scalar(statement) or 0
 
 
@@ -176,14 +174,14 @@ def _listed_generations(numbers: Mapping[str, Sequence[int]]) -> Select[Any]:
     )
 
 
-def _conditions(filters: JobFilters) -> list[ColumnElement[bool]]:
-    conditions: list[ColumnElement[bool]] = []
+def _conditions(filters: JobFilters, owner: str | None) -> list[ColumnElement[bool]]:
+    conditions: list[ColumnElement[bool]] = [] if owner is None else [jobs.c.owner == owner]
     if filters.states:
         conditions.append(jobs.c.state.in_(filters.states))
     if filters.owner is not None:
         conditions.append(jobs.c.owner == filters.owner)
     if filters.parents is not None:
-        conditions.append(jobs.c.parent.in_(filters.parents) if filters.parents else jobs.c.parent.is_(None))
+        conditions.append(jobs.c.parent.in_(filters.parents) if filters.parents else _above(owner))
     if filters.tag:
         conditions.append(jobs.c.tags.contains(_as_lines([filters.tag]), autoescape=True))
     if filters.text:
@@ -192,6 +190,15 @@ def _conditions(filters: JobFilters) -> list[ColumnElement[bool]]:
         found = [func.lower(column).contains(text, autoescape=True) for column in columns]
         conditions.append(or_(*found, jobs.c.id.startswith(text, autoescape=True)))
     return conditions
+
+
+def _above(owner: str | None) -> ColumnElement[bool]:
+    """Jobs that are no follow-ups, or whose job no list of the owner shows, as it is another owner's."""
+    follows_none = jobs.c.parent.is_(None)
+    if owner is None:
+        return follows_none
+    shown = jobs.alias()
+    return or_(follows_none, ~exists().where(shown.c.id == jobs.c.parent, shown.c.owner == owner))
 
 
 def _key(filters: JobFilters) -> ColumnElement[Any]:

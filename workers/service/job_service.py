@@ -89,7 +89,7 @@ class JobService(JobRecords):
         """Reports and statistics of the jobs that :attr:`principal` may see; loaded when they are first asked for."""
         from geoswarm.workers.service.statistics import StatisticsService
 
-        return StatisticsService(self.store, self._row, self._cache)
+        return StatisticsService(self.store, self._row, self._cache, self.principal.sees)
 
     @property
     def attachments(self) -> Attachments:
@@ -211,7 +211,8 @@ class JobService(JobRecords):
                 if quota_of is not None:
                     planned = problem.planned_evaluations
                     check_quotas(connection, quota_of, planned, self.settings, size=size, taken=taken)
-                if jobs.insert_job(connection, values | {"parent": find_parent(connection, problem, owner)}):
+                parent = find_parent(connection, problem, self.principal.sees)
+                if jobs.insert_job(connection, values | {"parent": parent}):
                     if offer is not None:
                         write_offer(connection, values["id"], offer)
                     return self._get(connection, values["id"]), True

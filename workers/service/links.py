@@ -11,7 +11,10 @@ from sqlalchemy import Connection
 from geoswarm.records.account import Key
 from geoswarm.workers.access.keys import ApiKeys
 from geoswarm.workers.access.principal import Principal
+from geoswarm.workers.access.quotas import lock_quotas
 from geoswarm.workers.errors import JobNotFoundError, QuotaExceededError
+from geoswarm.workers.queries import api_keys
+from geoswarm.workers.queries.attachments import hold_job
 from geoswarm.workers.store import Store
 
 __all__ = ["MOST_LINKS", "Links"]
@@ -54,9 +57,17 @@ class Links:
             When label or time is not acceptable.
         """
         owner = self._owner(job_id)
-        if sum(link.state == "active" for link in self._keys.list(job_id)) >= MOST_LINKS:
-            raise QuotaExceededError(f"the job has {MOST_LINKS} valid links; revoke those that are no longer needed")
-        return self._keys.create(owner, "read", label=label, valid_seconds=valid_seconds, job_id=job_id)
+
+        def admit(connection: Connection) -> None:
+            lock_quotas(connection)  # before the look: its holder may take the last one
+            hold_job(connection, job_id)
+            self._find(connection, job_id)
+            if sum(row.state == "active" for row in api_keys.list_keys(connection, job_id)) >= MOST_LINKS:
+                raise QuotaExceededError(
+                    f"the job has {MOST_LINKS} valid links; revoke those that are no longer needed"
+                )
+
+        return self._keys.create(owner, "read", label=label, valid_seconds=valid_seconds, job_id=job_id, admit=admit)
 
     def revoke(self, job_id: str, link_id: str) -> Key:
         """Revoke a link, at once and permanently.

@@ -33,7 +33,7 @@ from geoswarm.workers.cache import Cache
 from geoswarm.workers.errors import JobNotFoundError
 from geoswarm.workers.queries import jobs
 from geoswarm.workers.queries.evaluations import get_evaluation
-from geoswarm.workers.queries.follow_ups import StoredFollowUp, evaluations_in_order, follow_ups_of
+from geoswarm.workers.queries.follow_ups import Sees, StoredFollowUp, evaluations_in_order, follow_ups_of
 from geoswarm.workers.queries.selection import (
     MOST_READ,
     MOST_VALUES,
@@ -44,12 +44,7 @@ from geoswarm.workers.queries.selection import (
 )
 from geoswarm.workers.queries.versions import recorded_versions, version_warnings
 from geoswarm.workers.store import Store
-from geoswarm.workers.store.codec import (
-    to_optional_datetime,
-    unpack_array,
-    unpack_json,
-    unpack_responses,
-)
+from geoswarm.workers.store.codec import to_optional_datetime, unpack_array, unpack_json, unpack_responses
 from geoswarm.workers.store.problems import problem_of
 
 __all__ = ["StatisticsService", "StoredJob"]
@@ -91,12 +86,15 @@ class StatisticsService:
         caller may not see. It is called before anything is taken from the cache.
     cache
         What was made already, for everybody.
+    sees
+        Which follow-ups the caller may see.
     """
 
-    def __init__(self, store: Store, find: FindRow, cache: Cache) -> None:
+    def __init__(self, store: Store, find: FindRow, cache: Cache, sees: Sees) -> None:
         self._store = store
         self._find = find
         self._cache = cache
+        self._sees = sees
 
     def stored(self, job_id: str) -> StoredJob:
         """Read a job with its evaluations.
@@ -151,7 +149,11 @@ class StatisticsService:
         return self._cache.once((*self._key(job_id), "report", *view), make)
 
     def follow_ups(self, job_id: str) -> list[StoredFollowUp]:
-        """Return the follow-ups that name a job and ask the same question, the newest first."""
+        """Return the follow-ups of a job that ask the same question and that the caller may see, the newest first."""
+        return [follow_up for follow_up in self._follow_ups(job_id) if self._sees(follow_up.owner, follow_up.id)]
+
+    def _follow_ups(self, job_id: str) -> list[StoredFollowUp]:
+        """Also those of an administrator, which an owner of the job does not see: what they found is told to both."""
         problem = self.stored(job_id).problem
         found = self._store.read(lambda connection: follow_ups_of(connection, self._find(connection, job_id)))
         return [follow_up for follow_up in found if same_question(problem, follow_up.problem)]
@@ -173,7 +175,7 @@ class StatisticsService:
         def make() -> Findings:
             if follow_up_of(job.problem) is not None:
                 return read(job_id, job.problem, job.record.seed)
-            further = [read(f.id, f.problem, f.seed) for f in self.follow_ups(job_id)]
+            further = [read(f.id, f.problem, f.seed) for f in self._follow_ups(job_id)]
             if job.answer is not None:
                 further.append(answer_of(Calibration(job.problem, job.record.seed), *job.answer, noise=noise))
             return join_findings(further)

@@ -126,7 +126,7 @@ jobs = Table(
     Column("tags", Text, nullable=False, server_default=""),  # each between line ends, so that one is found whole
     Column("note", Text, nullable=False, server_default=""),  # Markdown
     Column("owner", String(80)),  # null: submitted without an API key, or with the one of the environment
-    Column("parent", String(32)),  # the job of the same owner whose follow-up it is; null: of none, or of a deleted one
+    Column("parent", String(32)),  # the job whose follow-up it is; null: of none, or of a deleted one
     # what it takes of the disk: the job itself, and each evaluation, about [bytes]
     Column("document_bytes", BigInteger, nullable=False, server_default="0"),
     Column("evaluation_bytes", BigInteger, nullable=False, server_default="0"),

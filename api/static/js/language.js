@@ -44,6 +44,7 @@ export class Translator {
       if (this.known.size > 20_000) this.known.clear();
       found = this.numbers(this.whole(text));
       this.known.set(text, found);
+      this.known.set(found, found); // a plot shows again what was translated for it
     }
     return found;
   }
@@ -53,13 +54,13 @@ export class Translator {
     return this.decimal === "." ? text : text.replace(DECIMAL, `$1${this.decimal}$2`);
   }
 
-  whole(text) {
+  whole(text, collect = true) {
     if (!LETTERS.test(text) || UNITS.test(text)) return text;
     const [, before, inner, after] = /^(\s*)(.*?)(\s*)$/su.exec(text);
     const plain = inner.replace(/[^\S\u00a0\u202f]+/g, " ");
     const found = this.phrase(plain);
     if (found !== null) return before + found + after;
-    this.missing.add(plain);
+    if (collect) this.missing.add(plain); // what a pattern takes is a name or a value, in most cases
     return text;
   }
 
@@ -90,8 +91,7 @@ export class Translator {
     }
     const found = route?.expression.exec(text);
     if (!found) return null;
-    const inserted = found.slice(1).map((part) => (part ? this.whole(part) : ""));
-    return route.make(inserted);
+    return route.make(found.slice(1).map((part) => (part ? this.whole(part, false) : "")));
   }
 }
 

@@ -40,7 +40,7 @@ export class Parallel {
   update(threshold, chosen) {
     Object.assign(this, { threshold, chosen });
     const paint = this.cloud.colours(threshold);
-    const lines = thinned([...chosen], MOST).reverse(); // the best on top
+    const lines = thinned(chosen, MOST).slice().reverse(); // the best on top; few of them are a view of the cloud
     this.lines(this.front, lines, paint, chosen.length < 300 ? 1.4 : 0.8, chosen.length < 300 ? 0.9 : 0.5);
     this.annotate();
   }
@@ -65,7 +65,7 @@ export class Parallel {
     ])
       this.marks.setAttribute(name, value);
     this.scale = cloud.objectiveScale();
-    this.lines(this.back, thinned([...cloud.order], MOST), () => colour("--muted"), 0.6, 0.18);
+    this.lines(this.back, thinned(cloud.order, MOST), () => colour("--muted"), 0.6, 0.18);
     this.update(this.threshold, this.chosen);
   }
 
