@@ -31,7 +31,7 @@ def test_a_phrase_has_the_places_of_its_english_text(path: Path) -> None:
     for english, phrase in phrases(path).items():
         numbers = PLACE.findall(phrase)
         count = len(PLACE.findall(english))
-        if "".join(numbers) and sorted(numbers) != [str(i + 1) for i in range(count)] or len(numbers) != count:
+        if ("".join(numbers) and sorted(numbers) != [str(i + 1) for i in range(count)]) or len(numbers) != count:
             wrong.append((english, phrase))
     assert wrong == []
 

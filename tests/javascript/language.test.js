@@ -11,13 +11,21 @@ test("a text has its own phrase, and keeps the space around it", () => {
 });
 
 test("what is inserted is translated as well, in the order of the language, with decimals", () => {
-  const pages = german({ "{} is {}.": "{} ist {}.", "{} of {} runs": "von {2} Läufen {1}", identified: "identifiziert" });
+  const pages = german({
+    "{} is {}.": "{} ist {}.",
+    "{} of {} runs": "von {2} Läufen {1}",
+    identified: "identifiziert",
+  });
   assert.equal(pages.translate("λ* is identified."), "λ* ist identifiziert.");
   assert.equal(pages.translate("1 200 of 2.5 runs"), "von 2,5 Läufen 1 200");
 });
 
 test("the pattern with most letters is asked first, whichever stands first", () => {
-  const pages = german({ "{} is {}": "{} ist {}", "{} is at its {} bound": "{} liegt an der {} Schranke", upper: "oberen" });
+  const pages = german({
+    "{} is {}": "{} ist {}",
+    "{} is at its {} bound": "{} liegt an der {} Schranke",
+    upper: "oberen",
+  });
   assert.equal(pages.translate("c is at its upper bound"), "c liegt an der oberen Schranke");
 });
 

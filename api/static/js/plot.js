@@ -91,7 +91,7 @@ function dressed(layout) {
   return dress;
 }
 
-const WORDED = new Set(["text", "name", "title", "hovertext", "hovertemplate", "ticktext", "label"]);
+const WORDED = new Set(["text", "name", "title", "hovertext", "ticktext", "label"]);
 
 /** Data or layout with its texts in the language of the page. */
 function inWords(value, worded = false) {

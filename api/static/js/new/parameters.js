@@ -56,8 +56,12 @@ export function parametersSection(context, place) {
     });
     const unit = info?.unit;
     const range = info?.typical
-      ? `Usual: ${number(info.typical[0])} to ${number(info.typical[1])}${unit ? ` ${unit}` : ""}${info.source ? `, ${info.source}` : ""}.`
-      : "";
+      ? [
+          ` Usual: ${number(info.typical[0])} to ${number(info.typical[1])}${unit ? ` ${unit}` : ""}`,
+          info.source ? element("span", { translate: "no" }, `, ${info.source}`) : "",
+          ".",
+        ]
+      : [];
     return element(
       "div",
       { class: `item parameter ${mode ?? "absent"}` },
@@ -74,7 +78,8 @@ export function parametersSection(context, place) {
         element(
           "p",
           { class: "help" },
-          `${sentence(info?.description) ?? (info ? "" : "A parameter of your own, for linked ones.")} ${range}`.trim(),
+          sentence(info?.description) ?? (info ? "" : "A parameter of your own, for linked ones."),
+          range,
         ),
         expectedPlace(name),
       ),
