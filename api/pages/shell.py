@@ -72,8 +72,8 @@ def render(request: Request, view: str, *, plots: bool = False, status: int = 20
     plots
         Whether Plotly is used, which needs inline styles allowed.
     values
-        What the template names beside ``static``, ``modules``, ``plotly``, ``languages``, ``view``, ``owner``, ``is_admin``,
-        ``may_submit``, ``signed_in`` and ``only_job``.
+        What the template names beside ``static``, ``modules``, ``plotly``, ``languages``, ``view``, ``owner``,
+        ``is_admin``, ``may_submit``, ``signed_in`` and ``only_job``.
     """
     identity: Identity | None = getattr(request.state, "identity", None)
     assets: Assets = request.app.state.assets
