@@ -21,7 +21,8 @@ UNTRANSLATED = """async () => {
     return untranslated();
 }"""
 NAME = re.compile(
-    r"[\w.*'′()\[\]/°,-]*[_.\d*λκμφψνσ][\w.*'′()\[\]/°,-]*( \[[^]]+\])?|[A-Za-z]{1,2}|.*\bSearch\b.*|embedded, .*|geoswarm"
+    r"[\w.*'′()\[\]/°,-]*[_.\d*λκμφψνσ][\w.*'′()\[\]/°,-]*( \[[^]]+\])?|[A-Za-z]{1,2}"
+    r"|.*\bSearch\b.*|embedded, .*|geoswarm"
 )
 """Names, which no language changes: of parameters and series, of the job of these tests, and of its worker."""
 
