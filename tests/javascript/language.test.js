@@ -32,12 +32,12 @@ test("the pattern with most letters is asked first, whichever stands first", () 
 test("sentences are translated one by one where the whole has no phrase; citations do not end them", () => {
   const pages = german({
     "Nothing was found.": "Nichts wurde gefunden.",
-    "Give more readings.": "Geben Sie mehr Messwerte an.",
+    "Give more readings.": "Mehr Messwerte angeben.",
     "Usual: {} to {}, {}.": "Üblich: {} bis {}, {}.",
   });
   assert.equal(
     pages.translate("Nothing was found. Usual: 0.5 to 1, Potts (1999), Mech. Cohes. Give more readings."),
-    "Nichts wurde gefunden. Üblich: 0,5 bis 1, Potts (1999), Mech. Cohes. Geben Sie mehr Messwerte an.",
+    "Nichts wurde gefunden. Üblich: 0,5 bis 1, Potts (1999), Mech. Cohes. Mehr Messwerte angeben.",
   );
 });
 

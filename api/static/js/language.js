@@ -22,6 +22,8 @@ const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt", "label", "aria-
 const KEPT = "script,style,code,pre,textarea,[translate=no]";
 const SHORT = 12; // letters of a pattern that is asked only after a text has been cut into its sentences
 
+const FEW = 8; // letters of a pattern, such as "{} of {}", that joins names, not sentences
+
 /** What translates texts by a catalogue: `translate(text)`; `missing` collects what it has no phrase for. */
 export class Translator {
   constructor({ decimal = ".", phrases = {} }) {
@@ -102,11 +104,13 @@ const fits = ({ size, longest, expression }, text, least, most) =>
 function pattern(english, phrase) {
   const pieces = english.split("{}");
   const escaped = pieces.map((piece) => piece.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+  const size = pieces.join("").length;
+  const taken = size < FEW ? "((?:\\S+ ){0,3}\\S*)" : "(.*?)";
   const parts = phrase.split(/(\{\d*\})/);
   return {
-    size: pieces.join("").length,
+    size,
     longest: pieces.reduce((best, piece) => (piece.length > best.length ? piece : best), ""),
-    expression: new RegExp(`^${escaped.join("(.*?)")}$`, "su"),
+    expression: new RegExp(`^${escaped.join(taken)}$`, "su"),
     make(inserted) {
       let next = 0;
       return parts.map((part, i) => (i % 2 ? inserted[Number(part.slice(1, -1) || ++next) - 1] : part)).join("");
