@@ -69,7 +69,8 @@ export class Translator {
 
   /** The phrase for a text, or for its parts; null where no part has one. */
   phrase(text) {
-    const whole = this.exact.get(text) ?? this.matched(text, SHORT, Infinity);
+    const ended = text.endsWith(".") ? this.exact.get(text.slice(0, -1)) : undefined; // the form ends each help with a dot
+    const whole = this.exact.get(text) ?? (ended && `${ended}.`) ?? this.matched(text, SHORT, Infinity);
     if (whole !== null && whole !== undefined) return whole;
     for (const [cut, joined] of CUTS) {
       const parts = text.split(cut);
