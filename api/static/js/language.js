@@ -69,8 +69,7 @@ export class Translator {
 
   /** The phrase for a text, or for its parts; null where no part has one. */
   phrase(text) {
-    const ended = text.endsWith(".") ? this.exact.get(text.slice(0, -1)) : undefined; // the form ends each help with a dot
-    const whole = this.exact.get(text) ?? (ended && `${ended}.`) ?? this.matched(text, SHORT, Infinity);
+    const whole = this.own(text) ?? this.matched(text, SHORT, Infinity);
     if (whole !== null && whole !== undefined) return whole;
     for (const [cut, joined] of CUTS) {
       const parts = text.split(cut);
@@ -83,6 +82,15 @@ export class Translator {
     if (!LETTERS.test(inner) || UNITS.test(inner)) return text;
     const found = this.exact.get(inner) ?? this.matched(inner, 0, Infinity);
     return found === null || found === undefined ? null : before + found + after;
+  }
+
+  /** The phrase for a text, or for the one that the form made a sentence of: it begins with a capital and ends with a dot. */
+  own(text) {
+    const found = this.exact.get(text);
+    if (found !== undefined || !text.endsWith(".")) return found;
+    const inner = text.slice(0, -1);
+    const plain = this.exact.get(inner) ?? this.exact.get(inner[0].toLowerCase() + inner.slice(1));
+    return plain && `${plain[0].toUpperCase()}${plain.slice(1)}.`;
   }
 
   /** By a pattern of `least` to `most` letters; texts that differ in numbers alone go by the same one. */
