@@ -178,6 +178,7 @@ def test_ranges_can_be_typed(page: Page) -> None:
     assert chosen(page) == whole
 
 
+# tests/api/test_statistics.py has the numbers of other weights
 @pytest.mark.slow
 def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page: Page, job: str) -> None:
     before = page.locator("#weights > p").nth(2).inner_text()
@@ -196,6 +197,7 @@ def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page
     expect(told).to_have_text(before)
 
 
+# test_a_follow_up_is_offered_the_values_of_the_job plans one by default
 @pytest.mark.slow
 def test_a_proposal_becomes_a_job_with_the_parameter_fixed(embedded: Site, page: Page) -> None:
     card = page.locator(".card[data-parameter=d]")
