@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import re
 from collections.abc import Callable
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.service.job_service import JobService
@@ -121,6 +124,26 @@ def test_the_slider_keeps_its_width_while_it_is_dragged(page: Page) -> None:
     assert widths == pytest.approx([widths[0]] * 3, abs=0.5)
 
 
+def check_files(place: Locator, name: str, good: int) -> None:
+    """A plot is saved as it is shown, and the numbers of all evaluations, the best first."""
+    files = {}
+    for form in ("SVG", "PNG", "CSV"):
+        with place.page.expect_download() as download:
+            place.get_by_role("button", name=f"This plot as {form}").click()
+        assert download.value.suggested_filename == f"{name}.{form.lower()}"
+        files[form] = download.value.path().read_bytes()
+    drawing = ElementTree.fromstring(files["SVG"])  # noqa: S314: made by this page
+    assert len(drawing.findall("{*}image")) == 2
+    assert {"a", "b", "d"} <= {text.text for text in drawing.findall("{*}text")}
+    assert b"var(" not in files["SVG"]
+    assert files["PNG"].startswith(b"\x89PNG")
+    head, *rows = csv.reader(io.StringIO(files["CSV"].decode()))
+    assert head == ["f", "a", "b", "d", "chosen"]
+    objectives = [float(row[0]) for row in rows]
+    assert (len(rows), objectives) == (400, sorted(objectives))
+    assert sum(int(row[-1]) for row in rows) == good
+
+
 def test_a_range_on_a_parallel_axis_limits_all_plots(page: Page) -> None:
     slide(page, 900)
     before = chosen(page)
@@ -138,6 +161,11 @@ def test_a_range_on_a_parallel_axis_limits_all_plots(page: Page) -> None:
     assert "range.b=" in page.url
     expect(page.locator("#matrix .brush").first).to_be_visible()
     expect(place).to_have_attribute("aria-label", re.compile(f"{chosen(page)} of 400 evaluations are chosen"))
+    for where, name in (("#parallel", "parallel-coordinates"), ("#matrix", "matrix-plot")):
+        check_files(page.locator(where), name, chosen(page))
+    place.scroll_into_view_if_needed()
+    axis = place.locator(".cell").nth(2).bounding_box()  # the buttons may have scrolled the page
+    assert axis is not None
     page.mouse.click(axis["x"], axis["y"] + 0.3 * axis["height"])
     expect(place.locator(".brush")).to_have_count(0)
     assert chosen(page) == before
