@@ -163,6 +163,7 @@ def test_a_range_on_a_parallel_axis_limits_all_plots(page: Page) -> None:
     expect(place).to_have_attribute("aria-label", re.compile(f"{chosen(page)} of 400 evaluations are chosen"))
     for where, name in (("#parallel", "parallel-coordinates"), ("#matrix", "matrix-plot")):
         check_files(page.locator(where), name, chosen(page))
+    expect(page.locator("#judged")).not_to_have_attribute("aria-busy", "true")  # verdicts stand above and may grow
     place.scroll_into_view_if_needed()
     axis = place.locator(".cell").nth(2).bounding_box()  # the buttons may have scrolled the page
     assert axis is not None
