@@ -156,6 +156,7 @@ def test_tests_are_left_out_as_in_this_process_bit_for_bit(done: tuple[App, str]
     assert "jackknife" not in {one["kind"] for one in app.get(f"{API}/jobs/{single}/follow-ups").json()["items"]}
 
 
+# tests/solver/identifiability/test_follow_ups.py has the same follow-up without a service
 @pytest.mark.slow
 def test_global_sensitivity_and_the_report_of_everything(examined: tuple[App, str, str], engine: Engine) -> None:
     app, job, _ = examined

@@ -77,6 +77,7 @@ def test_a_neighbour_that_hangs_everything_is_not_noticed(service: Service) -> N
     assert sorted(seconds)[len(seconds) // 2] < 1.0
 
 
+# 15 s; tests/api/compute/test_stopping.py cancels a request without a service
 @pytest.mark.slow
 def test_a_request_whose_client_has_left_is_ended(tmp_path: Path) -> None:
     with serving(tmp_path, free_port(), "--workers", "1", GEOSWARM_COMPUTE_SECONDS="3600") as service:

@@ -51,6 +51,7 @@ def test_every_generated_file_says_so_first() -> None:
         assert first.startswith(f"# Generated from {WRITTEN / path.name} by {SCRIPT};")
 
 
+# test_changed_missing_and_foreign_files_are_told_and_put_right makes missing files
 @pytest.mark.slow
 def test_everything_is_made_anew_where_there_is_nothing(copy: Path) -> None:
     shutil.rmtree(copy / GENERATED)
@@ -77,6 +78,7 @@ def test_changed_missing_and_foreign_files_are_told_and_put_right(copy: Path) ->
     assert generated(copy) == generated(ROOT)
 
 
+# test_changed_missing_and_foreign_files_are_told_and_put_right tells what is out of date
 @pytest.mark.slow
 def test_a_change_of_the_asynchronous_client_asks_for_a_renewal(copy: Path) -> None:
     with (copy / WRITTEN / "service.py").open("a") as file:

@@ -75,6 +75,7 @@ def test_the_wheel_has_every_source_and_every_file_beside_it(wheel: Path) -> Non
     assert set(NEEDED_BESIDE_PYTHON) <= names(wheel)
 
 
+# two more builds; the tests above read a wheel of the same sources
 @pytest.mark.slow
 def test_a_wheel_from_the_source_archive_is_the_same(wheel: Path, tmp_path: Path) -> None:
     archive = build("sdist", ROOT, tmp_path)

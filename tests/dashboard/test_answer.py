@@ -103,6 +103,7 @@ def test_a_touched_bound_is_widened_where_it_is_proposed(embedded: Site, visit: 
     assert wider["parameters"]["b"] == embedded.service.problem(job)["parameters"]["b"]
 
 
+# tests/api/test_owners.py reads the link to the job on the page of a follow-up
 @pytest.mark.slow
 def test_a_follow_up_leads_to_its_parent_and_draws_no_convergence(embedded: Site, visit: Visit, line: str) -> None:
     page, _ = visit(embedded, f"/jobs/{line}")
@@ -127,6 +128,7 @@ def test_the_runs_of_a_sampling_are_not_joined(embedded: Site, visit: Visit) -> 
     assert figure.evaluate("(frame) => frame.data.find(({ name }) => name === 'move').x.length") == 0
 
 
+# tests/api/test_progress.py has the numbers that the page shows
 @pytest.mark.slow
 def test_each_run_counts_at_once_and_the_tab_tells_how_far_it_is(embedded: Site, visit: Visit) -> None:
     view, _ = embedded.service.submit(parse_problem(textbook(name="under way", **LONG)))

@@ -88,6 +88,7 @@ def test_files_are_chosen_shown_and_deleted(embedded: Site, visit: Visit, job: s
     assert [file.name for file in embedded.service.attachments.list(job)] == ["Probe 3, Schürf 2.png"]
 
 
+# tests/api/test_attachments.py reads the policy that makes the sandbox
 @pytest.mark.slow
 def test_a_picture_opens_by_itself_and_runs_nothing(embedded: Site, visit: Visit, job: str, folder: Path) -> None:
     page, _ = visit(embedded, f"/jobs/{job}", own=True)
@@ -99,7 +100,6 @@ def test_a_picture_opens_by_itself_and_runs_nothing(embedded: Site, visit: Visit
     assert picture.evaluate("origin") == "null"  # the sandbox: not that of the service
 
 
-@pytest.mark.slow
 def test_files_are_dropped_on_the_page(embedded: Site, visit: Visit, job: str) -> None:
     page, _ = visit(embedded, f"/jobs/{job}")
     page.get_by_role("button", name="Attach files").wait_for()
@@ -137,6 +137,7 @@ def test_who_may_only_read_sees_files_and_no_buttons(full: Site, visit: Visit, f
     expect(page.get_by_role("button", name="Attach files")).to_have_count(0)
 
 
+# tests/dashboard/test_base.py looks at the pages of a job on a phone, without files
 @pytest.mark.slow
 def test_files_fit_on_a_phone(embedded: Site, visit: Visit, job: str, folder: Path) -> None:
     page, _ = visit(embedded, f"/jobs/{job}", viewport={"width": 390, "height": 844})

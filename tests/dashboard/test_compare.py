@@ -72,6 +72,7 @@ def test_values_stand_with_intervals_verdicts_and_bounds(embedded: Site, visit: 
     check_accessibility(page)
 
 
+# test_jobs.py chooses jobs in the list; the other tests here open the pages of several
 @pytest.mark.slow
 def test_jobs_are_added_and_removed(embedded: Site, visit: Visit, ids: list[str]) -> None:
     page, _ = visit(embedded, f"/compare?job={ids[0]}")

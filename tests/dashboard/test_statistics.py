@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import re
 from collections.abc import Callable
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
-from playwright.sync_api import Page, Route, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from geoswarm.solver.problem import parse_problem
 from geoswarm.workers.service.job_service import JobService
@@ -121,6 +124,26 @@ def test_the_slider_keeps_its_width_while_it_is_dragged(page: Page) -> None:
     assert widths == pytest.approx([widths[0]] * 3, abs=0.5)
 
 
+def check_files(place: Locator, name: str, good: int) -> None:
+    """A plot is saved as it is shown, and the numbers of all evaluations, the best first."""
+    files = {}
+    for form in ("SVG", "PNG", "CSV"):
+        with place.page.expect_download() as download:
+            place.get_by_role("button", name=f"This plot as {form}").click()
+        assert download.value.suggested_filename == f"{name}.{form.lower()}"
+        files[form] = download.value.path().read_bytes()
+    drawing = ElementTree.fromstring(files["SVG"])  # noqa: S314: made by this page
+    assert len(drawing.findall("{*}image")) == 2
+    assert {"a", "b", "d"} <= {text.text for text in drawing.findall("{*}text")}
+    assert b"var(" not in files["SVG"]
+    assert files["PNG"].startswith(b"\x89PNG")
+    head, *rows = csv.reader(io.StringIO(files["CSV"].decode()))
+    assert head == ["f", "a", "b", "d", "chosen"]
+    objectives = [float(row[0]) for row in rows]
+    assert (len(rows), objectives) == (400, sorted(objectives))
+    assert sum(int(row[-1]) for row in rows) == good
+
+
 def test_a_range_on_a_parallel_axis_limits_all_plots(page: Page) -> None:
     slide(page, 900)
     before = chosen(page)
@@ -138,6 +161,12 @@ def test_a_range_on_a_parallel_axis_limits_all_plots(page: Page) -> None:
     assert "range.b=" in page.url
     expect(page.locator("#matrix .brush").first).to_be_visible()
     expect(place).to_have_attribute("aria-label", re.compile(f"{chosen(page)} of 400 evaluations are chosen"))
+    for where, name in (("#parallel", "parallel-coordinates"), ("#matrix", "matrix-plot")):
+        check_files(page.locator(where), name, chosen(page))
+    expect(page.locator("#judged")).not_to_have_attribute("aria-busy", "true")  # verdicts stand above and may grow
+    place.scroll_into_view_if_needed()
+    axis = place.locator(".cell").nth(2).bounding_box()  # the buttons may have scrolled the page
+    assert axis is not None
     page.mouse.click(axis["x"], axis["y"] + 0.3 * axis["height"])
     expect(place.locator(".brush")).to_have_count(0)
     assert chosen(page) == before
@@ -178,6 +207,7 @@ def test_ranges_can_be_typed(page: Page) -> None:
     assert chosen(page) == whole
 
 
+# tests/api/test_statistics.py has the numbers of other weights
 @pytest.mark.slow
 def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page: Page, job: str) -> None:
     before = page.locator("#weights > p").nth(2).inner_text()
@@ -196,6 +226,7 @@ def test_other_weights_move_the_optimum_as_the_service_says(embedded: Site, page
     expect(told).to_have_text(before)
 
 
+# test_a_follow_up_is_offered_the_values_of_the_job plans one by default
 @pytest.mark.slow
 def test_a_proposal_becomes_a_job_with_the_parameter_fixed(embedded: Site, page: Page) -> None:
     card = page.locator(".card[data-parameter=d]")

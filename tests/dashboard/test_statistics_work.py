@@ -108,6 +108,7 @@ def test_profiles_bring_the_sensitivities_that_they_start_from(embedded: Site, v
     check_accessibility(page, "#uncertainty")
 
 
+# tests/solver/identifiability/test_leaving_out.py has the values without each test
 @pytest.mark.slow
 def test_the_values_without_each_test_say_which_one_pulls(embedded: Site, visit: Visit) -> None:
     tests = {"first": [1.0, 3.1, 4.9, 7.0], "second": [1.1, 2.9, 5.1, 7.1], "third": [1.0, 3.5, 6.0, 8.5]}

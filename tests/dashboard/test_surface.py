@@ -60,6 +60,7 @@ def test_contours_and_slices_of_a_finished_job_with_its_runs(embedded: Site, vis
     assert embedded.service.get(job).evaluations == before
 
 
+# tests/solver/identifiability/test_slices.py and test_posterior.py have both cases without a page
 @pytest.mark.slow
 def test_too_few_runs_are_said_and_one_parameter_has_no_contours(embedded: Site, visit: Visit) -> None:
     sampled = {"method": {"kind": "monte_carlo", "samples": 12}, "stopping": {}}
@@ -76,6 +77,7 @@ def test_too_few_runs_are_said_and_one_parameter_has_no_contours(embedded: Site,
     expect(page.locator("#surface .contours")).to_be_empty()
 
 
+# tests/solver/identifiability/test_slices.py has such a surface without a page
 @pytest.mark.slow
 def test_a_surface_that_cannot_be_relied_on_is_not_drawn(embedded: Site, visit: Visit) -> None:
     rough = line_problem(

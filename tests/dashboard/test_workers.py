@@ -39,6 +39,7 @@ def test_an_administrator_sees_workers_queue_and_failures(embedded: Site, visit:
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+# test_slots_of_an_agent_stand_together opens the same table by default
 @pytest.mark.slow
 def test_a_running_job_is_shown_at_its_worker(embedded: Site, visit: Visit) -> None:
     sampling = five_parameters() | {"method": {"kind": "monte_carlo", "samples": 50_000}}

@@ -75,6 +75,7 @@ def test_a_program_becomes_a_forward_model(reader: Reader) -> None:
     assert (folder / "results" / "report.html").is_file()
 
 
+# tests/geoswarm/cli/test_model.py lists, tries and shows registered models
 @pytest.mark.slow
 def test_a_registered_model_is_listed_tried_and_shown(reader: Reader) -> None:
     folder = reader.folder / "models" / "footing"
@@ -113,6 +114,7 @@ def test_a_soil_law_in_fortran(reader: Reader) -> None:
     assert result["state"] == "finished"
 
 
+# tests/solver/user_laws/test_mfront.py has a registered model with a library of its own
 @pytest.mark.slow
 def test_a_registered_model_with_a_law_of_its_own(reader: Reader) -> None:
     folder = reader.folder / "models" / "sand"
@@ -153,6 +155,7 @@ def test_a_file_of_a_laboratory_is_imported(reader: Reader) -> None:
     assert " ".join(told.split()) in printed
 
 
+# tests/geoswarm/cli/test_estimate.py estimates such a problem
 @pytest.mark.slow
 def test_estimates_of_a_problem_without_parameters(reader: Reader) -> None:
     page = "docs/index-properties.md"
@@ -182,6 +185,7 @@ def test_a_run_prints_the_members_that_the_page_lists(reader: Reader) -> None:
     assert list(printed) == re.findall(r'"(\w+)"', block(COMMANDS, '{"state", ').text)
 
 
+# tests/geoswarm/cli/test_verify.py prints the lines of cases
 @pytest.mark.slow
 def test_a_verification_prints_what_the_page_shows(reader: Reader) -> None:
     command, _, told = block(COMMANDS, "geoswarm verify").text.removeprefix("$ ").partition("\n")

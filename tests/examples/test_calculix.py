@@ -89,6 +89,7 @@ def test_intervals_hold_the_true_values_whatever_the_seed(problem: Path) -> None
     assert sum(held.values()) < 40, "intervals of 95 % that never miss are too wide"
 
 
+# 16 s; tests/solver/fem/test_solve.py compares the same elements with closed forms
 @pytest.mark.slow
 def test_our_own_finite_elements_settle_alike(problem: Path) -> None:
     """Eight-node rectangles there, six-node triangles here: 0.2 % apart at most, at 200 kPa."""

@@ -10,7 +10,7 @@ import pytest
 from examples.generate_reference_data import EXAMPLES, HERE, Example, generate, reading_times
 from geoswarm.solver.problem import load_problem
 
-# Calculated in the long run only.
+# Calculated in the long run only: the other examples are made by the same script.
 LENGTHY = ("slope", "triaxial", "direct_simple_shear", "crs_oedometer")
 CALCULATED = [
     pytest.param(one, id=one.folder, marks=[pytest.mark.slow] if one.folder in LENGTHY else []) for one in EXAMPLES

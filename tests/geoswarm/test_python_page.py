@@ -37,6 +37,7 @@ def ran(script: Path, *options: str) -> str:
     ("number", "longer", "shorter", "expected"),
     [
         (0, '"max_evaluations": 600', '"max_evaluations": 60', "s_end is identified"),
+        # tests/geoswarm/test_python_interface.py resumes a calibration and reads its runs
         pytest.param(
             1,
             "seed=1,",

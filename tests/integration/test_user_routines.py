@@ -120,6 +120,7 @@ def test_a_routine_with_state_of_its_own_begins_anew_with_each_run(models: Path,
         assert objective == alone.evaluate_values({**problem.values([E])}).objective
 
 
+# tests/geoswarm/cli/test_model.py checks a registered model, test_mfront.py one with a library
 @pytest.mark.slow
 def test_a_registered_routine_lies_in_the_folder_of_its_model(models: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (

@@ -122,18 +122,8 @@ export function plot(place, make) {
     { class: "plot-table", hidden: true },
     element("summary", {}, "Numbers of this plot"),
   );
-  const save = (form) =>
-    element(
-      "button",
-      {
-        type: "button",
-        class: "link",
-        "aria-label": `This plot as ${form.toUpperCase()}`,
-        onclick: () => saved(frame, shown, form).catch((error) => announce(error.message)),
-      },
-      form.toUpperCase(),
-    );
-  const files = element("p", { class: "plot-files", hidden: true }, "Save as ", save("svg"), save("png"), save("csv"));
+  const files = fileButtons((form) => saved(frame, shown, form));
+  files.hidden = true;
   place.replaceChildren(frame, files, table);
   let shown = null;
   const onTheme = () => draw();
@@ -162,6 +152,22 @@ export function plot(place, make) {
     place.replaceChildren();
   }
   return { draw, remove, frame };
+}
+
+/** Buttons below a plot; `save(form)` hands it over as svg, png or csv. */
+export function fileButtons(save) {
+  const button = (form) =>
+    element(
+      "button",
+      {
+        type: "button",
+        class: "link",
+        "aria-label": `This plot as ${form.toUpperCase()}`,
+        onclick: () => save(form).catch((error) => announce(error.message)),
+      },
+      form.toUpperCase(),
+    );
+  return element("p", { class: "plot-files" }, "Save as ", ...["svg", "png", "csv"].map(button));
 }
 
 const MOST_ROWS = 500;
@@ -212,13 +218,18 @@ async function saved(frame, { label, columns }, form) {
     });
     return;
   }
-  const address = URL.createObjectURL(new Blob([csvOf(columns)], { type: "text/csv" }));
-  element("a", { href: address, download: `${filename}.csv` }).click();
+  handOver(new Blob([csvOf(columns)], { type: "text/csv" }), `${filename}.csv`);
+}
+
+/** Give the browser a file to save. */
+export function handOver(content, download) {
+  const address = URL.createObjectURL(content);
+  element("a", { href: address, download }).click();
   setTimeout(() => URL.revokeObjectURL(address), 60_000);
 }
 
 /** Columns as CSV with all their digits; what a table of calculation would take for a formula is not a number and is quoted. */
-function csvOf(columns) {
+export function csvOf(columns) {
   const names = Object.keys(columns);
   const cell = (value) =>
     value === null || value === undefined

@@ -201,6 +201,7 @@ def answered(journal: Path) -> int:
     return 0 if stored is None or not ends else len(stored.evaluations) - ends[0].evaluations
 
 
+# 21 s; test_worker_processes_end_with_the_run_and_their_runs_are_kept ends a search in its middle
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_a_kill_in_the_answer_costs_the_runs_in_flight_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -107,6 +107,8 @@ def test_a_section_settles_by_the_closed_form() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
+        # Each is a process of its own; tests/solver/forward/test_any_law.py and tests/solver/element_test/
+        # test_load_paths.py have the slow three with laws of this package.
         ({"material": "no_plane"}, "K0 is missing: material no_plane has none"),
         pytest.param(
             {"material": "no_plane", "K0": 0.5, "discretization": "finite_element"},

@@ -113,7 +113,6 @@ def test_report_of_2000_runs_is_small(sampling: Run) -> None:
     assert len(sampling.pdf) < 3e6
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("room", [30.0, 300.0])
 def test_a_heading_does_not_stand_alone_at_the_foot_of_a_page(room: float, sampling: Run) -> None:
     assert sampling.pdf  # has registered the fonts

@@ -17,6 +17,7 @@ from geoswarm.solver.runs.local import calibrate
 NUMBERS = (-math.inf, -1e308, -1.0, -5e-324, 0.0, 5e-324, 1e-300, 1e-150, 1.0, 1.0 + 1e-16, 1e300, math.inf, math.nan)
 
 
+# all pairs; test_a_report_of_extreme_numbers draws some of them
 @pytest.mark.slow
 @pytest.mark.parametrize("log", [False, True])
 def test_any_two_numbers_give_limits(log: bool) -> None:

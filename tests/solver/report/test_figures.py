@@ -164,6 +164,7 @@ def many(count: int, dimension: int) -> MatrixData:
     )
 
 
+# test_matrix_says_when_it_draws_only_a_part has many points, too
 @pytest.mark.slow
 def test_matrix_of_20000_points_and_six_parameters_is_small() -> None:
     svg = svg_of(matrix_figure("many", many(20_000, 6)))

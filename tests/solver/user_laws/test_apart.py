@@ -87,7 +87,6 @@ def test_steps_are_as_short_as_the_routine_wants(tmp_path: Path) -> None:
     assert calculated(found)["stage_axial_strain"] == pytest.approx(np.array([40.0, 130.0]) / confined, rel=1.0e-6)
 
 
-@pytest.mark.slow
 def test_a_routine_with_state_of_its_own_begins_anew_with_each_run(tmp_path: Path) -> None:
     kept = load_problem(problem(tmp_path, KEEPS, method=SEARCH, stateful=True))
     first, second = calculated(kept), calculated(kept)

@@ -4,6 +4,7 @@ import { element, svg } from "../dom.js";
 import { coefficient, withUnit } from "../format.js";
 import { colour } from "../plot.js";
 import { place } from "./cloud.js";
+import { saveButtons } from "./save.js";
 import { tickText, ticks } from "../scales.js";
 
 const LEFT = 70,
@@ -28,7 +29,7 @@ export class Matrix {
       { class: "wide matrix", tabindex: "0", role: "region", "aria-label": "Matrix plot" },
       this.stage,
     );
-    holder.replaceChildren(this.frame);
+    holder.replaceChildren(this.frame, saveButtons(this, "matrix-plot"));
     this.marks.addEventListener("pointerdown", (event) => this.begin(event));
     new ResizeObserver(() => this.resized()).observe(this.frame);
     document.addEventListener("themechange", () => this.cloud && this.paint());

@@ -5,6 +5,7 @@ import { withUnit } from "../format.js";
 import { colour } from "../plot.js";
 import { tickText, thinned, ticks } from "../scales.js";
 import { place } from "./cloud.js";
+import { saveButtons } from "./save.js";
 
 const [LEFT, RIGHT, TOP, HEIGHT, BOTTOM] = [64, 56, 30, 220, 14];
 const PITCH = 84; // least distance of two axes
@@ -24,7 +25,7 @@ export class Parallel {
       { class: "wide", tabindex: "0", role: "region", "aria-label": "Parallel coordinates" },
       (this.stage = element("div", { class: "stage" }, this.back, this.front, this.marks)),
     );
-    holder.replaceChildren(this.frame);
+    holder.replaceChildren(this.frame, saveButtons(this, "parallel-coordinates"));
     this.marks.addEventListener("pointerdown", (event) => this.begin(event));
     new ResizeObserver(() => this.cloud && this.frame.clientWidth !== this.width && this.paint()).observe(this.frame);
     document.addEventListener("themechange", () => this.cloud && this.paint());
@@ -32,7 +33,7 @@ export class Parallel {
 
   /** Show other data; `chosen`: the good fits inside the ranges, best first. */
   show(cloud, threshold, chosen, unit) {
-    Object.assign(this, { cloud, threshold, chosen, unit });
+    Object.assign(this, { cloud, threshold, chosen, objectiveUnit: unit });
     this.paint();
   }
 
@@ -99,7 +100,7 @@ export class Parallel {
 
   annotate() {
     const { cloud, scale, chosen } = this;
-    const objective = { label: this.unit ? `f [${this.unit}]` : "f", level: scale.level };
+    const objective = { label: withUnit("f", this.objectiveUnit), level: scale.level };
     const parameters = cloud.parameters.map((one) => ({
       label: withUnit(one.symbol, one.unit),
       level: (value) => place(one, value),
