@@ -252,9 +252,8 @@ def test_an_administrator_follows_up_the_job_of_another(engine: Engine) -> None:
     # The administrator finds it below its job, and is led back from it.
     listed = users("chief", "GET", f"{API}/jobs", role="admin", params={"parent": job}).json()["items"]
     assert [one["id"] for one in listed] == [below]
-    assert (
-        f'follow-up of <a href="/jobs/{job}">followed</a>' in users("chief", "GET", f"/jobs/{below}", role="admin").text
-    )
+    page = users("chief", "GET", f"/jobs/{below}", role="admin").text
+    assert f'follow-up of <a href="/jobs/{job}" translate="no">followed</a>' in page
     found = users("chief", "GET", f"{API}/jobs/{job}/uncertainty", role="admin").json()
     assert [one["id"] for one in found["follow_ups"]] == [below]
 

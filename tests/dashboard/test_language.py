@@ -22,9 +22,9 @@ UNTRANSLATED = """async () => {
 }"""
 NAME = re.compile(
     r"[\w.*'′()\[\]/°,-]*[_.\d*λκμφψνσ][\w.*'′()\[\]/°,-]*( \[[^]]+\])?|[A-Za-z]{1,2}"
-    r"|.*\bSearch\b.*|embedded, .*|geoswarm"
+    r"|\w+ \[[^]]+\]|.*\bSearch\b.*|embedded, .*|geoswarm|.* \((?:queued|running|paused|finished|failed|cancelled), .*\)"
 )
-"""Names, which no language changes: of parameters and series, of the job of these tests, and of its worker."""
+"""Names, which no language changes: of parameters, series and workers, and of jobs, also those of other tests."""
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_the_pages_of_a_job_are_german_throughout(embedded: Site, visit: Visit, 
 
 
 @pytest.mark.usefixtures("job")
-@pytest.mark.parametrize("path", ["/", "/new?example=oedometer", "/workers", "/compare"])
+@pytest.mark.parametrize("path", ["/?q=Search", "/new?example=oedometer", "/workers", "/compare"])
 def test_the_other_pages_are_german_throughout(embedded: Site, visit: Visit, path: str) -> None:
     page = german(visit, embedded, path)
     assert left_in_english(page) == []
