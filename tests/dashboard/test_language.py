@@ -22,7 +22,8 @@ UNTRANSLATED = """async () => {
 }"""
 NAME = re.compile(
     r"[\w.*'′()\[\]/°,-]*[_.\d*λκμφψνσ][\w.*'′()\[\]/°,-]*( \[[^]]+\])?|[A-Za-z]{1,2}"
-    r"|\w+ \[[^]]+\]|.*\bSearch\b.*|embedded, .*|geoswarm|.* \((?:queued|running|paused|finished|failed|cancelled), .*\)"
+    r"|\w+ \[[^]]+\]|.*\bSearch\b.*|embedded, .*|geoswarm"
+    r"|.* \((?:queued|running|paused|finished|failed|cancelled), .*\)"
 )
 """Names, which no language changes: of parameters, series and workers, and of jobs, also those of other tests."""
 
