@@ -40,18 +40,20 @@ class Secrets:
         patterns = [rf"(?<!\w){re.escape(value)}(?!\w)" if word else re.escape(value) for value, word in longest_first]
         self._pattern = re.compile("|".join(patterns)) if patterns else None
 
-    def hidden(self, text: str, own: str = "") -> str:
+    def hidden(self, text: str, *own: str) -> str:
         """Return a text without the values.
 
         Parameters
         ----------
-        own
-            Words of ours in the text, such as ``ended with exit status 1``, which tell nothing of any value.
+        *own
+            Words of ours in the text, which tell nothing of any value: ``ended with exit status 1``, the run folder.
         """
         if self._pattern is None:
             return text
-        pieces = text.split(own) if own else [text]
-        return own.join(self._pattern.sub(HIDDEN, piece) for piece in pieces)
+        ours = re.compile("|".join(re.escape(words) for words in own)) if own else None
+        pieces, kept = (ours.split(text), ours.findall(text)) if ours else ([text], [])
+        hidden = [self._pattern.sub(HIDDEN, piece) for piece in pieces]
+        return "".join(part for pair in zip(hidden, [*kept, ""], strict=True) for part in pair)
 
 
 def _lines(values: Iterable[str]) -> set[str]:

@@ -264,7 +264,9 @@ class ProgramRun:
         finally:
             kept = folder.finish(keep, failed=failure is not None)
             if kept is not None and is_watched():
-                words, printed = (None, "") if ended is None else (ended.words, secrets.hidden(ended.tail))
+                words, printed = (
+                    (None, "") if ended is None else (ended.words, secrets.hidden(ended.tail, str(folder.path)))
+                )
                 why = None if failure is None else str(failure)
                 note(tuple(call), kept, self._written, words, printed, why, self._readers, spec.seconds)
 
@@ -321,8 +323,9 @@ def _failure(error: Exception, ended: Ended | None, folder: RunFolder, keep: Kee
         reason = error.reason
     elif isinstance(error, OSError):
         message = f"the run folder cannot be filled: {error.filename or folder.path}: {error.strerror or error}"
-    told = [secrets.hidden(message, "" if ended is None else ended.words)]
-    printed = [] if ended is None else secrets.hidden(ended.tail).rstrip().splitlines()[-_LINES:]
+    place = str(folder.path)
+    told = [secrets.hidden(message, place, *(() if ended is None else (ended.words,)))]
+    printed = [] if ended is None else secrets.hidden(ended.tail, place).rstrip().splitlines()[-_LINES:]
     if printed:
         told.append("it printed:\n" + "\n".join(f"  {line}" for line in printed))
     if keep != "none":

@@ -107,6 +107,17 @@ def test_a_failed_run_tells_neither_folders_nor_values(tmp_path: Path) -> None:
     assert str(Path(sys.executable).parent) not in told
 
 
+@pytest.mark.usefixtures("models")
+def test_a_value_that_is_part_of_the_run_folders_path_leaves_it_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("KEY", tmp_path.name)
+    told = message()
+    assert "at geoswarm-" in told
+    assert "passed *** *** 1\n" in told
+    assert tmp_path.name not in told
+
+
 @pytest.mark.parametrize(
     ("section", "words"),
     [
