@@ -117,7 +117,7 @@ def jobs_page(
         for job in listed.items:
             follow_ups.setdefault(job.parent or "", []).append(job)
         if listed.next_cursor is not None:
-            every = {job.id: service.count(JobFilters(parents=(job.id,))) for job in page.items}
+            every = service.count_follow_ups([job.id for job in page.items])
             more = {job_id: count for job_id, count in every.items() if count > len(follow_ups.get(job_id, ()))}
     chosen_columns = [name for name in dict.fromkeys(named.split(",")) if name][:MOST_COLUMNS]
     chosen = {

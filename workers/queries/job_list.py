@@ -32,7 +32,7 @@ from geoswarm.workers.store.clock import database_now
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import generations, jobs
 
-__all__ = ["JobFilters", "SortKey", "count_jobs", "label_job", "list_jobs", "list_trends"]
+__all__ = ["JobFilters", "SortKey", "count_by_parent", "count_jobs", "label_job", "list_jobs", "list_trends"]
 
 SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
 
@@ -119,6 +119,13 @@ def count_jobs(connection: Connection, filters: JobFilters, *, owner: str | None
     """Return the number of jobs that match, on all pages together; ``owner`` as for :func:`list_jobs`."""
     statement = select(func.count()).select_from(jobs).where(*_conditions(filters, owner))
     return connection.scalar(statement) or 0
+
+
+def count_by_parent(connection: Connection, parents: Sequence[str], *, owner: str | None) -> dict[str, int]:
+    """Return the number of follow-ups of each of some jobs, those without any left out."""
+    conditions = _conditions(JobFilters(parents=tuple(parents)), owner)
+    statement = select(jobs.c.parent, func.count()).where(*conditions).group_by(jobs.c.parent)
+    return {row[0]: row[1] for row in connection.execute(statement)}
 
 
 def label_job(connection: Connection, job_id: str, tags: Collection[str] | None, note: str | None) -> None:

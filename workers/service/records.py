@@ -19,9 +19,11 @@ from geoswarm.records.states import ENDED_STATES, EVALUATION_STATES
 from geoswarm.solver.calibration import search_space
 from geoswarm.solver.problem import Problem
 from geoswarm.solver.search.space import diversity
+from geoswarm.workers.access.principal import Principal
 from geoswarm.workers.errors import EvaluationNotFoundError
 from geoswarm.workers.queries import jobs
 from geoswarm.workers.queries.evaluations import get_evaluation, list_attempts
+from geoswarm.workers.queries.job_list import count_by_parent
 from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.queries.listing import Filters, decode_cursor, encode_cursor, list_evaluations
 from geoswarm.workers.queries.progress import free_workers, mean_seconds, state_counts
@@ -57,6 +59,7 @@ class JobRecords(ABC):
 
     store: Store
     settings: Settings
+    principal: Principal
 
     @abstractmethod
     def _row(self, connection: Connection, job_id: str) -> Any:
@@ -65,6 +68,11 @@ class JobRecords(ABC):
     @abstractmethod
     def _frame(self, connection: Connection, job_id: str) -> tuple[list[str], dict[str, list[float]]]:
         """Return what every evaluation of a job shares: names of the free parameters, and x of its responses."""
+
+    def count_follow_ups(self, job_ids: Sequence[str]) -> dict[str, int]:
+        """Return the number of listed follow-ups by job, for those that have any."""
+        owner = self.principal.listed
+        return self.store.read(lambda connection: count_by_parent(connection, job_ids, owner=owner))
 
     def problem(self, job_id: str) -> dict[str, Any]:
         """Return the canonical problem document of a job."""
