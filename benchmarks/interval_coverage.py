@@ -185,7 +185,9 @@ def print_series(repeats: int, seed: int) -> None:
             usual = np.abs(np.log(found.optimum / truth)) <= half
             low, high = found.intervals.T
             outside = (truth < low) | (truth > high)
-            sure = (found.unit_widths <= WIDTH_LIMIT) & [not (found.fit.wrong or found.bent(n)) for n in found.names]
+            sure = (found.unit_widths <= WIDTH_LIMIT) & [
+                not (found.fit.wrong or found.needs_profile(n)) for n in found.names
+            ]
             rows.append([usual, ~outside, found.widening, outside & sure])
         usual, held, widened, wrong = np.array(rows, dtype=np.float64).transpose(1, 0, 2)
         shares = (100.0 * share.mean(axis=0) for share in (usual, held, wrong))

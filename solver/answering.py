@@ -205,13 +205,13 @@ def _further(calibration: Calibration, progress: Progress, runs: Runs) -> Iterat
             listed = dict(zip(calibration.free_names, np.array(points).T.tolist(), strict=True))
             at = by_name(calibration.space, found.optimum)
             yield ExploreMethod(at=at, points=listed, runs=room, objective=findings.objective)
-    bent = [name for name in found.names if found.bent(name)]
-    if bent and not any(isinstance(method, ProfileMethod) for method in since):
-        settings = profile_settings(calibration, found, parameters=bent)
+    unprofiled = [name for name in found.names if found.needs_profile(name)]
+    if unprofiled and not any(isinstance(method, ProfileMethod) for method in since):
+        settings = profile_settings(calibration, found, parameters=unprofiled)
         at, rise, step = (
             by_name(calibration.space, values) for values in (settings.optimum, settings.rise, settings.step)
         )
-        yield ProfileMethod(at=at, rise={n: rise[n] for n in bent}, step={n: step[n] for n in bent})
+        yield ProfileMethod(at=at, rise={n: rise[n] for n in unprofiled}, step={n: step[n] for n in unprofiled})
 
 
 def _elsewhere(calibration: Calibration, answer: Answer, findings: Findings, runs: Runs) -> list[FloatArray]:

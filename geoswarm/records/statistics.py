@@ -221,7 +221,9 @@ class OptimumParameter:
     )
     widening: Number = described("how many times wider correlated or uneven noise makes the interval by linearisation")
     bending: Number = described("relative distance of an end by likelihood from the linearised one; null: not checked")
-    bent: bool = described("the model is so nonlinear within the interval that a profile must give it, and none has")
+    needs_profile: bool = described(
+        "the model is so nonlinear within the interval that a profile must give it, and none has"
+    )
     influence: float
     why_no_interval: str | None
 

@@ -124,9 +124,9 @@ def sample_of(
     if not _FEWEST_RUNS <= runs <= MOST_RUNS:
         raise StatisticsError(f"runs must be from {_FEWEST_RUNS} to {MOST_RUNS}, got {runs}")
     found, several = known.linearisation, len(known.basins) > 1
-    bent = [name for name in found.names if found.nonlinear(name)]
+    nonlinear = [name for name in found.names if found.nonlinear(name)]
     remarks: list[str] = []
-    if source == "posterior" or (source == "auto" and bent and not several and not found.departures):
+    if source == "posterior" or (source == "auto" and nonlinear and not several and not found.departures):
         try:
             if posterior is None:
                 raise StatisticsError("no posterior sample is available here")
@@ -137,7 +137,7 @@ def sample_of(
             if source == "posterior":
                 raise
             remarks.append(
-                f"the fit is nonlinear within the interval of {' and '.join(bent)}, and {error}: the band rests on the "
+                f"the fit is nonlinear within the interval of {' and '.join(nonlinear)}, and {error}: the band rests on the "
                 "linearised fit and is approximate"
             )
         else:
@@ -161,9 +161,9 @@ def sample_of(
                 found.widest,
             )
             return taken, remarks
-    elif bent:
+    elif nonlinear:
         remarks.append(
-            f"the fit is nonlinear within the interval of {' and '.join(bent)}: the band rests on the linearised fit "
+            f"the fit is nonlinear within the interval of {' and '.join(nonlinear)}: the band rests on the linearised fit "
             "and is approximate"
         )
     return draw_around(known.calibration, known.basins, runs - len(known.basins), seed), remarks

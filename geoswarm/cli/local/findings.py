@@ -104,10 +104,10 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
     echo_facts(None, facts)
     for reason in reasons:
         note(f"Note: {reason}")
-    bent = [parameter for parameter, row in linearisation["parameters"].items() if row["bent"]]
-    if bent:
+    unprofiled = [parameter for parameter, row in linearisation["parameters"].items() if row["needs_profile"]]
+    if unprofiled:
         note(
-            f"Warning: the model is nonlinear within the interval of {' and '.join(bent)}, so it is only approximate; "
+            f"Warning: the model is nonlinear within the interval of {' and '.join(unprofiled)}, so it is only approximate; "
             f"'geoswarm profile' calculates the one by likelihood"
         )
     by_likelihood = [

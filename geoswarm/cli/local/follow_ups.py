@@ -314,12 +314,14 @@ class _LocalRun:
 
         found = self._sensitivities(at, step, polish, noise)
         at_optimum = found.linearisation
-        bent = [name for name in self.problem.free_names if at_optimum is not None and at_optimum.bent(name)]
+        unprofiled = [
+            name for name in self.problem.free_names if at_optimum is not None and at_optimum.needs_profile(name)
+        ]
         kept = self.folder is not None and (self.folder / "profile").exists()
-        if at_optimum is None or not bent or kept or not self.problem.forward_model.quick:
+        if at_optimum is None or not unprofiled or kept or not self.problem.forward_model.quick:
             return found
-        note(f"The model is nonlinear within the interval of {' and '.join(bent)}: profiles follow.")
-        profiles = self._run(profile_problem(self.problem, at_optimum, seed=self.seed, parameters=bent), noise)
+        note(f"The model is nonlinear within the interval of {' and '.join(unprofiled)}: profiles follow.")
+        profiles = self._run(profile_problem(self.problem, at_optimum, seed=self.seed, parameters=unprofiled), noise)
         return join_findings([found, profiles])
 
     def _sensitivities(self, at: dict[str, float] | None, step: float | None, polish: bool, noise: Noise) -> Findings:

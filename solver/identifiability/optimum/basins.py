@@ -1,7 +1,7 @@
 """Other sets of parameters that fit as well as the optimum: what an interval around one optimum cannot show.
 
 An interval at the optimum follows from the curvature there. Stored runs that fit as well but lie outside the region
-that this curvature allows contradict it: the objective has a second basin, or a valley that is bent.
+that this curvature allows contradict it: the objective has a second basin, or a curved valley.
 """
 
 from __future__ import annotations

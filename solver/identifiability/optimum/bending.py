@@ -120,10 +120,10 @@ def with_profiles(linearisation: Linearisation, profiles: Sequence[Profile]) -> 
 
 
 def _profiles(calibration: Calibration, linearisation: Linearisation) -> tuple[Profile, ...]:
-    bent = [name for name in linearisation.names if linearisation.bent(name)]
-    if not bent:
+    unprofiled = [name for name in linearisation.names if linearisation.needs_profile(name)]
+    if not unprofiled:
         return ()
-    search = ProfileSearch(calibration.space, profile_settings(calibration, linearisation, parameters=bent))
+    search = ProfileSearch(calibration.space, profile_settings(calibration, linearisation, parameters=unprofiled))
     while (due := search.ask()) is not None:
         search.take(residual_rows(calibration, [calibration.evaluate(position) for position in due]))
     return profiles_of(search)

@@ -236,14 +236,14 @@ class Linearisation:
         """What its interval rests on."""
         return self.bases[self.names.index(name)]
 
-    def bent(self, name: str) -> bool:
+    def needs_profile(self, name: str) -> bool:
         """Whether the model is so nonlinear within its interval by linearisation that a profile must give it."""
         index = self.names.index(name)
         return not self.to_rounding and self.bases[index] != "profile" and bool(self.bending[index] > CORRECTED)
 
     def nonlinear(self, name: str) -> bool:
         """Whether its interval by linearisation does not hold, whatever it rests on now."""
-        return self.bent(name) or self.basis(name) in ("moved", "profile")
+        return self.needs_profile(name) or self.basis(name) in ("moved", "profile")
 
     def bending_of(self, name: str) -> float:
         """How far an end of its interval by likelihood lies from the linearised one, relatively; nan if unknown."""
@@ -269,7 +269,7 @@ class Linearisation:
 
     def basis_in_words(self, name: str) -> str:
         """What its interval rests on, in a few words; empty for linearisation where that is enough."""
-        if self.bent(name):
+        if self.needs_profile(name):
             return "approximate: the model is nonlinear there"
         how = "" if self.basis(name) in (*ALLOWANCES, "tests") else _BASES[self.basis(name)]
         return ", ".join(part for part in (how, self._allowance(name)) if part)
@@ -326,7 +326,7 @@ class Linearisation:
                 "interval_basis": None if self.interval(name) is None else self.bases[i],
                 "widening": _number(self.widening[i]),
                 "bending": _number(self.bending[i]),
-                "bent": self.bent(name),
+                "needs_profile": self.needs_profile(name),
                 "influence": float(self.influences[i]),
                 "why_no_interval": None if self.interval(name) else self.why_no_interval(name),
             }

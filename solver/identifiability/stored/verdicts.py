@@ -310,7 +310,7 @@ def _look_beyond(name: str, index: int, judged: Judged, solutions: tuple[float, 
 def _tied_pairs(filtered: Filtered) -> tuple[Correlation, ...]:
     """Pairs that are correlated beyond doubt over natural values or search coordinates, with their usual intervals.
 
-    A relation that is straight in one of them may be too bent in the other to show among few samples.
+    A relation that is straight in one of them may be too curved in the other to show among few samples.
     """
     found: list[Correlation] = []
     pairs = comb(filtered.samples.dimension, 2)
@@ -400,7 +400,7 @@ def _judge_linearisation(samples: Samples, name: str, linearisation: Linearisati
     )
     if linearisation.misplaced:
         return "undecided", "not_minimum", evidence
-    if linearisation.bent(name):
+    if linearisation.needs_profile(name):
         return "undecided", "nonlinear", evidence
     if width <= WIDTH_LIMIT and not (open_below or open_above):
         return "identified", "width", evidence

@@ -81,7 +81,7 @@ def test_a_slightly_bent_interval_is_moved_by_its_two_runs(noise: float) -> None
             continue
         moved += 1
         assert 0.1 < by_likelihood.bending_of("k") <= 0.2
-        assert not by_likelihood.bent("k")
+        assert not by_likelihood.needs_profile("k")
         expected = regressed_interval(y, float(found.optimum[0]))
         np.testing.assert_allclose(by_likelihood.intervals[0], expected, atol=0.1 * np.ptp(expected) / 2.0)
         apart = np.abs(by_likelihood.intervals[0] - expected).max()
@@ -181,8 +181,8 @@ def test_without_a_profile_a_bent_interval_is_no_plain_one() -> None:
     follow_up = sensitivity_problem(problem, np.array([0.7]), seed=1, polish=True)
     found = findings_of(follow_up, 1, [record.evaluation for record in calibrate(follow_up).history])
     assert found.linearisation is not None
-    assert found.linearisation.bent("k")
-    assert found.linearisation.to_json()["parameters"]["k"]["bent"]
+    assert found.linearisation.needs_profile("k")
+    assert found.linearisation.to_json()["parameters"]["k"]["needs_profile"]
     assert found.objective is not None
     samples = Samples.from_arrays(problem, found.linearisation.optimum[None], np.array([found.objective]))
     verdict = analyse(Calibration(problem, 1), samples, linearisation=found.linearisation).verdict("k")

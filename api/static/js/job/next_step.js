@@ -41,7 +41,7 @@ export function proposed({ linearisation, fit, basins, verdicts }, bounds = []) 
       why: "Leave out what the model does not contain, or use another law.",
       path: (id) => `/new?from=${id}`,
     };
-  if (Object.values(linearisation.parameters).some(({ bent }) => bent))
+  if (Object.values(linearisation.parameters).some(({ needs_profile: needed }) => needed))
     return {
       kind: "profile",
       words: "Follow the bend of the intervals",

@@ -9,7 +9,7 @@ import { ENDED, OPEN } from "../states.js";
 import { posterior } from "./posterior.js";
 
 const BASES = {
-  bent: " (approximate: the model is nonlinear there; profiles give it)",
+  needs_profile: " (approximate: the model is nonlinear there; profiles give it)",
   correlated: " (widened{by} for correlated residuals)",
   uneven: " (widened{by} for uneven residuals)",
   possible: " (widened{by} for a correlation that so few readings cannot exclude)",
@@ -20,8 +20,8 @@ const BASES = {
 };
 
 /** What an interval rests on; a factor that rounds to 1 is not said. */
-function basisOf({ bent, interval_basis: basis, widening }) {
-  const words = BASES[bent ? "bent" : basis] ?? "";
+function basisOf({ needs_profile: needed, interval_basis: basis, widening }) {
+  const words = BASES[needed ? "needs_profile" : basis] ?? "";
   if (words.includes("{by}") && widening && widening < 1.05) return "";
   return words.replace("{by}", widening ? ` by a factor of ${number(widening, 2)}` : "");
 }
