@@ -221,9 +221,7 @@ class OptimumParameter:
     )
     widening: Number = described("how many times wider correlated or uneven noise makes the interval by linearisation")
     bending: Number = described("relative distance of an end by likelihood from the linearised one; null: not checked")
-    needs_profile: bool = described(
-        "the model is so nonlinear within the interval that a profile must give it, and none has"
-    )
+    needs_profile: bool = described("the model is too nonlinear for the interval: only a profile can give it")
     influence: float
     why_no_interval: str | None
 
