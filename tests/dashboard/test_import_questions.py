@@ -36,20 +36,14 @@ def test_what_a_file_says_is_in_no_other_language(embedded: Site, visit: Visit) 
     expect(mapping.locator(".first-rows th").nth(1)).to_contain_text("settlement [um]")
     expect(mapping.locator(".first-rows td").nth(3)).to_have_text("1.600")
     expect(chosen(mapping, "Spalte von y")).to_have_text("settlement [um]")
-    expect(mapping.locator(".todo")).to_contain_text(
-        "„1.600“ in settlement [um] kann tausend oder eins bedeuten: Geben"
-    )
+    expect(mapping.locator(".todo")).to_contain_text("„1.600“ in settlement [um] kann tausend")
     signs = mapping.get_by_label("Wie sind Zahlen geschrieben?")
     expect(signs.locator("option")).to_have_text(
-        [
-            "auswählen …",
-            "1.5 und 1,000: Punkt vor den Dezimalstellen",
-            "1,5 und 1.000: Komma vor den Dezimalstellen",
-        ]
+        [re.compile("^auswählen"), re.compile(r"^1\.5 und 1,000: Punkt"), re.compile(r"^1,5 und 1\.000: K")]
     )
     signs.select_option(index=2)
     page.locator("#take").click()
-    expect(page.get_by_label("Das Problem als YAML")).to_have_value(re.compile(r"y: \[800, 1600, 3200\]"))
+    expect(page.locator("#yaml")).to_have_value(re.compile(r"y: \[800, 1600, 3200\]"))
 
 
 @pytest.mark.slow

@@ -129,11 +129,19 @@ def test_a_long_title_below_a_plot_has_two_lines(embedded: Site, visit: Visit, j
 
 
 def test_jobs_to_choose_from_keep_their_names(embedded: Site, visit: Visit, job: str) -> None:
-    """“small things (finished, 1 min ago)” was “vor small things (fertig, 1 min)”."""
+    """The word for “ago” stood before the name of the job."""
     page, _ = visit(embedded, "/new", own=True, locale="de-DE")
     expect(page.locator(f"#earlier option[value='{job}']")).to_have_text(re.compile(r"^small things \(fertig, "))
     page.goto("/compare")
     expect(page.locator(f"#another option[value='{job}']")).to_have_text(f"small things (fertig, {job[:6]})")
+
+
+def test_all_forward_models_are_seen_at_once(embedded: Site, visit: Visit) -> None:
+    """The last row, with the chosen model of a slope, was cut off and had to be scrolled."""
+    page, _ = visit(embedded, "/new")
+    choices = page.locator("fieldset.choices")
+    expect(choices.locator("label").last).to_be_visible(timeout=SOON)
+    assert choices.evaluate("(one) => one.scrollHeight - one.clientHeight") <= 1
 
 
 def test_numbers_outside_the_usual_range_are_marked(embedded: Site, visit: Visit) -> None:
