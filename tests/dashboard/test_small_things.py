@@ -136,6 +136,13 @@ def test_jobs_to_choose_from_keep_their_names(embedded: Site, visit: Visit, job:
     expect(page.locator(f"#another option[value='{job}']")).to_have_text(f"small things (fertig, {job[:6]})")
 
 
+def test_verdicts_are_seen_in_a_narrow_window(embedded: Site, visit: Visit, job: str) -> None:
+    """The column had to be scrolled to."""
+    page, _ = visit(embedded, f"/jobs/{job}", viewport={"width": 1040, "height": 900})
+    expect(page.locator("#parameters a.verdict").first).to_be_visible(timeout=SOON)
+    assert page.locator("#parameters").evaluate("(one) => one.scrollWidth - one.clientWidth") <= 1
+
+
 def test_all_forward_models_are_seen_at_once(embedded: Site, visit: Visit) -> None:
     """The last row, with the chosen model of a slope, was cut off and had to be scrolled."""
     page, _ = visit(embedded, "/new")
