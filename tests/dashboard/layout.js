@@ -59,6 +59,11 @@
         if (!drawn || drawn.width < 100 || drawn.height < 100) faults.push(`the plot “${label}” is not drawn`);
         else if (!frame.data.some((trace) => (trace.dimensions?.[0]?.values ?? trace.x ?? trace.y ?? trace.z)?.length)) faults.push(`the plot “${label}” is empty`);
         else if (!frame.layout.xaxis.ticktext && !frame.querySelector(".xtitle, .ytitle, .g-xtitle text, .g-ytitle text")) faults.push(`the axes of the plot “${label}” have no title`);
+        const edge = frame.getBoundingClientRect();
+        for (const text of frame.querySelectorAll(".g-xtitle text, .xtitle, .legendtext")) {
+            const { left, right } = text.getBoundingClientRect();
+            if (left < edge.left - 1 || right > edge.right + 1) faults.push(`“${text.textContent}” is cut off in the plot “${label}”`);
+        }
     }
     for (const canvas of scene.querySelectorAll("canvas")) {
         if (!seen(canvas) || canvas.clientWidth < 20) continue;

@@ -29,6 +29,23 @@ def test_columns_and_units_of_a_table_without_headings_are_one_question(embedded
     expect(yaml(page)).to_have_value(re.compile("x_unit: min"))
 
 
+def test_what_a_file_says_is_in_no_other_language(embedded: Site, visit: Visit) -> None:
+    """In German “1.600” was shown as “1,600”, and both answers to the question had the same example."""
+    page, _ = visit(embedded, "/new?example=oedometer", own=True, locale="de-DE")
+    mapping = drop(page, "time [min];settlement [um]\n1;800\n2;1.600\n4;3.200\n")
+    expect(mapping.locator(".first-rows th").nth(1)).to_contain_text("settlement [um]")
+    expect(mapping.locator(".first-rows td").nth(3)).to_have_text("1.600")
+    expect(chosen(mapping, "Spalte von y")).to_have_text("settlement [um]")
+    expect(mapping.locator(".todo")).to_contain_text("„1.600“ in settlement [um] kann tausend")
+    signs = mapping.get_by_label("Wie sind Zahlen geschrieben?")
+    expect(signs.locator("option")).to_have_text(
+        [re.compile("^auswählen"), re.compile(r"^1\.5 und 1,000: Punkt"), re.compile(r"^1,5 und 1\.000: K")]
+    )
+    signs.select_option(index=2)
+    page.locator("#take").click()
+    expect(page.locator("#yaml")).to_have_value(re.compile(r"y: \[800, 1600, 3200\]"))
+
+
 @pytest.mark.slow
 def test_a_strain_is_made_of_a_stroke(embedded: Site, visit: Visit) -> None:
     """Files of presses, which have strokes and forces, could not be taken."""

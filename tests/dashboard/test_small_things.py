@@ -10,6 +10,7 @@ from playwright.sync_api import expect
 
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Opened, Site
+from tests.dashboard.layout import check_layout, leaf_through
 from tests.dashboard.test_job import SOON, textbook
 from tests.dashboard.test_statistics import ended
 
@@ -18,6 +19,17 @@ FORMAT = """async (base) => {
     const { age, coefficient, precise } = await import(base + "/js/format.js");
     const ago = (seconds) => age(new Date(Date.now() - 1000 * seconds).toISOString());
     return [ago(3), ago(35), ago(75), coefficient(-0.001), precise(2.34567, 0.75)];
+}"""
+
+LONG_TITLE = """async (base) => {
+    const { plot } = await import(base + "/js/plot.js");
+    const title = { text: "stage, each over log time from 0.1 to 2900 min" };
+    const place = document.querySelector("#fit");
+    const data = [{ x: [1, 2], y: [1, 2], name: "measured" }];
+    const layout = { xaxis: { title }, yaxis: { title: { text: "y" } }, height: 300 };
+    const make = () => ({ data, layout, label: "a line" });
+    await plot(place, make).draw();
+    return [...place.querySelectorAll(".xtitle tspan")].map((line) => line.textContent);
 }"""
 
 
@@ -97,6 +109,46 @@ def test_a_toolbar_does_not_lie_upon_the_legend_of_a_phone(embedded: Site, visit
     page, _ = visit(embedded, f"/jobs/{job}/fit", viewport={"width": 390, "height": 844})
     expect(page.locator("#fit .main-svg").first).to_be_visible(timeout=SOON)
     expect(page.locator("#fit .modebar-btn")).to_have_count(0)
+
+
+@pytest.mark.parametrize("path", ["/fit", "/search"])
+def test_plots_fit_a_phone(embedded: Site, visit: Visit, job: str, path: str) -> None:
+    """The title below stages ended at the edge, and times of the workers lay upon each other."""
+    page, _ = visit(embedded, f"/jobs/{job}{path}", viewport={"width": 390, "height": 844})
+    expect(page.locator(".main-svg").first).to_be_visible(timeout=SOON)
+    leaf_through(page)
+    check_layout(page)
+
+
+def test_a_long_title_below_a_plot_has_two_lines(embedded: Site, visit: Visit, job: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{job}/fit", viewport={"width": 390, "height": 844})
+    expect(page.locator("#fit .main-svg").first).to_be_visible(timeout=SOON)
+    lines = page.evaluate(LONG_TITLE, page.locator("body").get_attribute("data-static"))
+    assert lines == ["stage, each over log time from 0.1", "to 2900 min"]
+    check_layout(page)
+
+
+def test_jobs_to_choose_from_keep_their_names(embedded: Site, visit: Visit, job: str) -> None:
+    """The word for “ago” stood before the name of the job."""
+    page, _ = visit(embedded, "/new", own=True, locale="de-DE")
+    expect(page.locator(f"#earlier option[value='{job}']")).to_have_text(re.compile(r"^small things \(fertig, "))
+    page.goto("/compare")
+    expect(page.locator(f"#another option[value='{job}']")).to_have_text(f"small things (fertig, {job[:6]})")
+
+
+def test_verdicts_are_seen_in_a_narrow_window(embedded: Site, visit: Visit, job: str) -> None:
+    """The column had to be scrolled to."""
+    page, _ = visit(embedded, f"/jobs/{job}", viewport={"width": 1040, "height": 900})
+    expect(page.locator("#parameters a.verdict").first).to_be_visible(timeout=SOON)
+    assert page.locator("#parameters").evaluate("(one) => one.scrollWidth - one.clientWidth") <= 1
+
+
+def test_all_forward_models_are_seen_at_once(embedded: Site, visit: Visit) -> None:
+    """The last row, with the chosen model of a slope, was cut off and had to be scrolled."""
+    page, _ = visit(embedded, "/new")
+    choices = page.locator("fieldset.choices")
+    expect(choices.locator("label").last).to_be_visible(timeout=SOON)
+    assert choices.evaluate("(one) => one.scrollHeight - one.clientHeight") <= 1
 
 
 def test_numbers_outside_the_usual_range_are_marked(embedded: Site, visit: Visit) -> None:

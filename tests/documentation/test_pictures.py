@@ -13,6 +13,7 @@ from tests.contracts.repository import ROOT
 
 WRITERS = {
     "docs/pictures/*.png": ("docs/take_pictures.py", 'f"{name}.png"'),
+    "docs/pictures/comparison/*.png": ("docs/take_comparison.py", "PICTURES"),
     "docs/pictures/theory/*.svg": ("docs/draw_theory.py", "FOLDER"),
     "docs/pictures/diagrams/*.svg": ("docs/draw_diagrams.py", "PICTURES"),
     "docs/tutorials/pictures/*.png": ("scripts/tutorials.py", "shutil.copyfile"),

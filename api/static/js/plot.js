@@ -102,6 +102,23 @@ function inWords(value, worded = false) {
   return Object.fromEntries(Object.entries(value).map(([key, one]) => [key, inWords(one, WORDED.has(key))]));
 }
 
+const LETTER = 7.5; // px, on average, of a title; an entry of a legend has a key before it
+const KEY = 110;
+
+/** A text that is longer than its room in two lines. */
+function wrapped(text, room) {
+  const at = text.length * LETTER > room && !text.includes("<br>") ? text.lastIndexOf(" ", room / LETTER) : -1;
+  return at > 0 ? `${text.slice(0, at)}<br>${text.slice(at + 1)}` : text;
+}
+
+/** Data and layout whose texts are not cut off in a frame that is so wide: titles below, entries of the legend. */
+function fitted(data, layout, width) {
+  for (const [name, axis] of Object.entries(layout))
+    if (/^xaxis\d*$/.test(name) && axis.title?.text) axis.title.text = wrapped(axis.title.text, width - 40);
+  for (const one of data) if (one.name) one.name = wrapped(one.name, width - KEY);
+  return [data, layout];
+}
+
 const NARROW = 720; // px: the toolbar would lie upon the legend, and fingers zoom without it
 const CONFIG = {
   responsive: true,
@@ -138,7 +155,8 @@ export function plot(place, make) {
     frame.setAttribute("aria-label", shown.label);
     table.hidden = files.hidden = !shown.columns;
     if (table.open && shown.columns) fillTable(table, shown.columns);
-    await Plotly.react(frame, inWords(shown.data), inWords(dressed(shown.layout)), {
+    const [data, layout] = fitted(inWords(shown.data), inWords(dressed(shown.layout)), frame.clientWidth || innerWidth);
+    await Plotly.react(frame, data, layout, {
       ...CONFIG,
       displayModeBar: innerWidth < NARROW ? false : "hover",
       ...shown.config,

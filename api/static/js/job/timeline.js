@@ -11,7 +11,8 @@ const LIMIT = 1000,
   INTERVAL = 5000,
   LANE = 22,
   TOP = 4,
-  BOTTOM = 22; // px
+  BOTTOM = 22,
+  NARROW = 480; // px
 
 export function timeline(view) {
   const place = document.getElementById("timeline");
@@ -81,7 +82,7 @@ export function timeline(view) {
             role: "img",
             "aria-label": `Runs of ${workers.length} workers over ${duration(length)}; ${count(failed)} failed`,
           },
-          ticks(0, length, "linear", 6).map((seconds) => [
+          ticks(0, length, "linear", place.clientWidth < NARROW ? 3 : 6).map((seconds) => [
             svg("line", { class: "grid", x1: at(seconds), x2: at(seconds), y1: TOP, y2: bottom }),
             svg("text", { x: at(seconds), y: bottom + 15 }, duration(seconds)),
           ]),

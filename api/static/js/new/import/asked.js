@@ -2,7 +2,7 @@
 import { count } from "../../format.js";
 import { byLoad } from "./matching.js";
 import { doubts, joinable, specimenColumn } from "./choices.js";
-import { choice, flag } from "./inputs.js";
+import { choice, flag, written } from "./inputs.js";
 import { CLOCKS, DATES, SIGNS } from "./more.js";
 
 /** The fields of these questions; `change(true)` draws the form again. */
@@ -24,21 +24,21 @@ export function askedFields(file, state, info, context, change) {
   const rows =
     specimens && Object.entries(specimens.entries).map(([entry, n]) => [entry, `${entry} (${count(n)} rows)`]);
   const blocks = info && !byLoad(info, "x") ? joinable(file, state) : [];
-  const written = (thing) => `How are ${thing} written?`;
+  const how = (thing) => `How are ${thing} written?`;
   return [
     numbers &&
       asks(
         "map-sign",
-        written("numbers"),
+        how("numbers"),
         SIGNS,
         "decimal",
-        `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`,
+        written("span", `“${numbers.doubt}” in ${numbers.name} can be one thousand or one.`),
       ),
-    dates && asks("map-dates", written("dates"), DATES, "dates", `“${dates.doubt}” can be read in two ways.`),
+    dates && asks("map-dates", how("dates"), DATES, "dates", `“${dates.doubt}” can be read in two ways.`),
     clock &&
       asks(
         "map-dates",
-        written("times"),
+        how("times"),
         CLOCKS,
         "dates",
         `“${clock.first.find(Boolean)}” can be a time since the start or a time of day.`,

@@ -1,6 +1,7 @@
 // Inputs of the import, which belong to no place of the draft yet, and the first rows of a file.
 import { element, tableHead } from "../../dom.js";
 import { count } from "../../format.js";
+import { translate } from "../../language.js";
 
 export const BEFORE = "Leave out readings before"; // the beginning of a series: strain or time 0, stage 1
 export const LEAVE_OUT = "Leave out rows without a number in every column";
@@ -27,15 +28,32 @@ const FIELDS = {
 /** What the field for a key of the observation is called here; nothing for one that the import does not ask for. */
 export const labelHere = (key) => BOXES[key] ?? document.getElementById(FIELDS[key])?.labels[0].textContent;
 
-/** A choice among [value, name, disabled?]; a value that is none of them is still to be chosen. */
+const NUMERAL = /\d(?:[.,]?\d)*/g;
+
+/** A text in the language of the page whose numbers stay as the file writes them: “1.000” is in doubt, not “1,000”. */
+function asWritten(text) {
+  const own = text.match(NUMERAL) ?? [];
+  return translate(text).replace(NUMERAL, (numeral) => own.shift() ?? numeral);
+}
+
+/** An element with such a text. */
+export const written = (tag, text) => element(tag, { translate: "no" }, asWritten(text));
+
+/** Names that the file gives, as options: [value, name, disabled?]. */
+export const ofFile = (value, name, disabled = false) => [value, name, disabled, true];
+
+/** Choices whose names show how numbers are written. */
+export const ofNumbers = (options) => options.map(([value, name]) => ofFile(value, asWritten(name)));
+
+/** A choice among [value, name, disabled?, of the file?]; a value that is none of them is still to be chosen. */
 export function choice(id, label, options, value, act, { help = null, asked = false, wide = false } = {}) {
   const known = options.some(([one]) => one === value);
   const all = known ? options : [[value, "choose …"], ...options];
   const made = element(
     "select",
     { id, "aria-describedby": help ? `${id}-help` : null, onchange: () => act(all[Number(made.value)][0]) },
-    all.map(([one, name, disabled], i) =>
-      element("option", { value: String(i), selected: one === value, disabled }, name),
+    all.map(([one, name, disabled, own], i) =>
+      element("option", { value: String(i), selected: one === value, disabled, translate: own ? "no" : null }, name),
     ),
   );
   return element(
@@ -101,7 +119,12 @@ export function firstRows(file, roles) {
       element("caption", {}, file.rows > shown ? `First rows of ${count(file.rows)}` : `${count(file.rows)} rows`),
       tableHead(
         file.columns.map((column, i) =>
-          element("th", { scope: "col", class: `${number(column)} ${roles[i] ? "taken" : ""}` }, column.name, role(i)),
+          element(
+            "th",
+            { scope: "col", class: `${number(column)} ${roles[i] ? "taken" : ""}`, translate: "no" },
+            column.name,
+            role(i),
+          ),
         ),
       ),
       element(
@@ -112,7 +135,11 @@ export function firstRows(file, roles) {
             "tr",
             {},
             file.columns.map((column, i) =>
-              element("td", { class: `${number(column)} ${roles[i] ? "taken" : ""}` }, column.first[row] ?? ""),
+              element(
+                "td",
+                { class: `${number(column)} ${roles[i] ? "taken" : ""}`, translate: "no" },
+                column.first[row] ?? "",
+              ),
             ),
           ),
         ),

@@ -19,7 +19,7 @@ import {
   taken,
   unitQuestions,
 } from "./choices.js";
-import { BEFORE, LEAVE_OUT, NO_READING, choice, firstRows, flag, labelHere, words } from "./inputs.js";
+import { BEFORE, LEAVE_OUT, NO_READING, choice, firstRows, flag, labelHere, ofFile, words, written } from "./inputs.js";
 import { columnOfLoads, loadStages } from "./loads.js";
 import { byLoad, columnOfX, lies, loadsAsX, likelySeries, readable } from "./matching.js";
 import { moreFields } from "./more.js";
@@ -153,7 +153,7 @@ export function mapping(file, content, context, act) {
         ? element(
             "ul",
             { class: "todo" },
-            questions.map((text) => element("li", {}, text)),
+            questions.map((text) => written("li", text)),
           )
         : null,
       [...units, ...refused.map((issue) => messageOf(issue, labelHere))].map((text) =>
@@ -234,7 +234,7 @@ export function mapping(file, content, context, act) {
         ? `${column.name} (${column.letters})`
         : column.name;
     const columns = (kinds) => [
-      ...file.columns.map((column, i) => [i, name(column), !kinds(column)]),
+      ...file.columns.map((column, i) => ofFile(i, name(column), !kinds(column))),
       [CELLS, "by cells or name …"],
     ];
     const pick = (axis, kinds) => [
@@ -343,7 +343,7 @@ export function mapping(file, content, context, act) {
           choice(
             "map-sheet",
             "Sheet",
-            file.sheets.map((one) => [one, one]),
+            file.sheets.map((one) => ofFile(one, one)),
             file.sheet,
             act.sheet,
             { help: `${file.sheets.length} sheets: ${file.sheets.join(", ")}` },

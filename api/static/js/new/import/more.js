@@ -1,13 +1,13 @@
 // What few files need: cells or names, a second gauge, times of day, weights, gross errors, further quantities, remarks.
 import { element } from "../../dom.js";
 import { button } from "../schema_form.js";
-import { choice, flag, words } from "./inputs.js";
+import { choice, flag, ofFile, ofNumbers, words } from "./inputs.js";
 import { CELLS, doubts, specimenColumn } from "./choices.js";
 
-export const SIGNS = [
+export const SIGNS = ofNumbers([
   ["point", "1.5 and 1,000: a point before decimals"],
   ["comma", "1,5 and 1.000: a comma before decimals"],
-];
+]);
 export const DATES = [
   ["day_first", "31/12/2024: the day first"],
   ["month_first", "12/31/2024: the month first"],
@@ -22,7 +22,7 @@ export const CLOCKS = [
 /** The fields below "More about these columns"; `change(redraw)` after each. `open` parameters: a formula may use inputs. */
 export function moreFields(file, state, change, open) {
   const of = state.more;
-  const columns = file.columns.map((column, i) => [i, column.name]);
+  const columns = file.columns.map((column, i) => ofFile(i, column.name));
   const set =
     (key, redraw = false) =>
     (value) => {
