@@ -137,8 +137,8 @@ def sample_of(
             if source == "posterior":
                 raise
             remarks.append(
-                f"the fit is nonlinear within the interval of {' and '.join(nonlinear)}, and {error}: the band rests on the "
-                "linearised fit and is approximate"
+                f"the fit is nonlinear within the interval of {' and '.join(nonlinear)}, and {error}: "
+                "the band rests on the linearised fit and is approximate"
             )
         else:
             shape = shape_of(found)
@@ -163,8 +163,8 @@ def sample_of(
             return taken, remarks
     elif nonlinear:
         remarks.append(
-            f"the fit is nonlinear within the interval of {' and '.join(nonlinear)}: the band rests on the linearised fit "
-            "and is approximate"
+            f"the fit is nonlinear within the interval of {' and '.join(nonlinear)}: "
+            "the band rests on the linearised fit and is approximate"
         )
     return draw_around(known.calibration, known.basins, runs - len(known.basins), seed), remarks
 

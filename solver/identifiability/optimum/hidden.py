@@ -19,7 +19,7 @@ __all__ = ["Unseen", "hidden_share", "is_sparse", "places"]
 
 _POINTS = 2000
 _DRAWS = 10  # times as many points at most in the search for feasible ones
-_EARLY = 0.25  # of the history
+_EARLY, _MOST_EARLY = 0.25, 100  # part of the history, and runs at most: a long swarm has chosen its place by then
 _REACH = 0.5  # of the rise to an ordinary run: one that is lower stands out
 _UNEXPLAINED = 0.25  # of the rise that the basin of the optimum has there
 _APART = 0.1  # parts of the range to the nearest better run, in the head of a basin
@@ -34,7 +34,8 @@ class Unseen:
 
     A basin like this one has the curvature of the optimum, f - f_best = |F'u|^2 with u in parts of the range, and
     reaches half as high as an ordinary run of the time when the search had not chosen a place yet: the median of the
-    first quarter of the history. A run inside would have stood out. A narrower basin may hide anywhere.
+    first quarter of the history, or of its first 100 runs if these are fewer. A run inside would have stood out. A
+    narrower basin may hide anywhere.
 
     Parameters
     ----------
@@ -77,7 +78,7 @@ class Unseen:
             Parameters, natural values, and objectives of runs that are not among the samples.
         """
         order = np.lexsort((samples.particles, samples.generations))
-        early = samples.objectives[order[: max(int(_EARLY * samples.size), 1)]]
+        early = samples.objectives[order[: max(min(int(_EARLY * samples.size), _MOST_EARLY), 1)]]
         reach = max(_REACH * (float(np.median(early)) - best), 0.0)
         others = [samples.to_unit(p)[None] for p, _ in further]
         runs = np.concatenate([samples.to_unit(linearisation.optimum)[None], samples.unit, *others])

@@ -111,3 +111,19 @@ def test_share_where_a_basin_could_hide() -> None:
         1.0 - (2.0 + 2.0 * 0.5**0.5) / 10.0, abs=0.03
     )  # to 0.71 beside 4 and 6
     assert share([2.0, 5.0, 8.0, 5.0]) == 0.0  # reach 3
+
+
+def test_a_long_history_hides_no_more_than_its_beginning() -> None:
+    """A quarter of a long swarm has converged; its median would say that a basin is as flat as the optimum."""
+    y = 5.0 * X
+    problem = problem_of("a * x", {"a": free(0.0, 10.0)}, y)
+    found = linearised(problem, [5.0])
+    rise = float(np.mean(X**2))
+    space = Calibration(problem, 1).space
+
+    def share(converged: int) -> float | None:
+        a = np.concatenate([np.linspace(0.0, 10.0, 100), np.full(converged, 5.0)])
+        samples = Samples.from_arrays(problem, a[:, None], rise * (a - 5.0) ** 2)
+        return hidden_share(space, Unseen.of(samples, found, 0.0))
+
+    assert share(300) == share(3000) == 0.0
