@@ -107,8 +107,8 @@ def _show_linearisation(found: Mapping[str, Any]) -> None:
     unprofiled = [parameter for parameter, row in linearisation["parameters"].items() if row["needs_profile"]]
     if unprofiled:
         note(
-            f"Warning: the model is nonlinear within the interval of {' and '.join(unprofiled)}, so it is only approximate; "
-            f"'geoswarm profile' calculates the one by likelihood"
+            f"Warning: the model is nonlinear within the interval of {' and '.join(unprofiled)}, so it is only "
+            "approximate; 'geoswarm profile' calculates the one by likelihood"
         )
     by_likelihood = [
         parameter
