@@ -4,6 +4,7 @@ import { ranking } from "./compare/ranking.js";
 import { factsTable, parametersTable } from "./compare/tables.js";
 import { connection, element, empty, exchange, failure } from "./dom.js";
 import { get } from "./http.js";
+import { translate } from "./language.js";
 import { ENDED } from "./states.js";
 
 const INTERVAL = 4000,
@@ -82,7 +83,13 @@ async function offer() {
   const others = items.filter(({ id }) => !ids.includes(id));
   if (!others.length) return;
   select.replaceChildren(
-    ...others.map((job) => element("option", { value: job.id }, `${job.name} (${job.state}, ${job.id.slice(0, 6)})`)),
+    ...others.map((job) =>
+      element(
+        "option",
+        { value: job.id, translate: "no" },
+        `${job.name} (${translate(job.state)}, ${job.id.slice(0, 6)})`,
+      ),
+    ),
   );
   form.hidden = false;
   form.addEventListener("submit", (event) => {

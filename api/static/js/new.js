@@ -2,6 +2,7 @@
 import { announce, element, failure } from "./dom.js";
 import { age } from "./format.js";
 import { get } from "./http.js";
+import { translate } from "./language.js";
 import { checkSection } from "./new/check.js";
 import { createDraft, forget, kept } from "./new/draft.js";
 import { errorPlace, field, showIssues } from "./new/fields.js";
@@ -193,8 +194,8 @@ function starting(draft, examples, jobs) {
     jobs.map((one) =>
       element(
         "option",
-        { value: one.id, selected: one.id === main.dataset.from },
-        `${one.name} (${one.state}, ${age(one.created_at)})`,
+        { value: one.id, selected: one.id === main.dataset.from, translate: "no" },
+        `${one.name} (${translate(one.state)}, ${translate(age(one.created_at))})`,
       ),
     ),
   );
