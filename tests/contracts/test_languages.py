@@ -10,6 +10,8 @@ import pytest
 
 CATALOGUES = sorted((Path(__file__).parents[2] / "api" / "static" / "languages").glob("*.json"))
 PLACE = re.compile(r"\{(\d*)\}")
+NAMED = re.compile(r"(?<!\{)\{[a-z_]+(?:[.:!][^{} ]*)?\}(?!\})|\{:[^}]*\}")
+"""A place as a program names it; `{E: kPa}` and `{{E}}` are what people write in a problem file."""
 
 
 def phrases(path: Path) -> dict[str, str]:
@@ -34,6 +36,12 @@ def test_a_phrase_has_the_places_of_its_english_text(path: Path) -> None:
         if ("".join(numbers) and sorted(numbers) != [str(i + 1) for i in range(count)]) or len(numbers) != count:
             wrong.append((english, phrase))
     assert wrong == []
+
+
+@pytest.mark.parametrize("path", CATALOGUES, ids=lambda path: path.stem)
+def test_places_have_no_names(path: Path) -> None:
+    """A text of a page has something in the place, not its name: such a phrase would never be found."""
+    assert [text for text in phrases(path) if NAMED.search(text)] == []
 
 
 @pytest.mark.parametrize("path", CATALOGUES, ids=lambda path: path.stem)

@@ -7,7 +7,7 @@
 const LETTERS = /\p{L}{2}/u;
 const NUMBER = /(?<![\p{L}\d_.])\d[\d\u202f]*(?:\.\d+)?(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?/gu;
 const DECIMAL = /(?<![\p{L}\d_.])(\d[\d\u202f]*)\.(\d+)(?![\p{L}\d_]|\.\d)/gu;
-const UNITS = /^(?:[munµ]?m[²³]?|[kMG]?Pa|kN(?:\/m[²³]?)?|min|ms|h|d|s|day|base|deg|°|[\d\s./·²³⁻⁴^*-])+$/;
+const UNITS = /^(?:[munµ]?m[²³]?|[kMG]?Pa|kN(?:\/m[²³]?)?|min|ms|h|d|s|day|base|deg|°|[\d\s./·⁻⁰¹²³⁴⁵⁶⁷⁸⁹^*-])+$/;
 const SHORTENED =
   "Mech|Eng|Geotech|Geotechn|Found|Int|Num|J|Proc|Conf|Soils|ed|No|Fig|Eq|e\\.g|i\\.e|cf|Mater|Frict|Numer|Anal";
 const SENTENCES = new RegExp(`(?<=(?<!\\b(?:${SHORTENED}))[.!?…]) (?=\\S)`);
