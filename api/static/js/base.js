@@ -8,7 +8,8 @@ const THEMES = ["system", "light", "dark"];
 const button = document.getElementById("theme");
 
 function show(theme) {
-  button.textContent = `Theme: ${theme}`;
+  button.lastElementChild.textContent = `Theme: ${theme}`;
+  button.title = `Theme: ${theme}`;
 }
 
 function choose(theme) {

@@ -7,7 +7,7 @@
 const LETTERS = /\p{L}{2}/u;
 const NUMBER = /(?<![\p{L}\d_.])\d[\d\u202f]*(?:\.\d+)?(?:·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?/gu;
 const DECIMAL = /(?<![\p{L}\d_.])(\d[\d\u202f]*)\.(\d+)(?![\p{L}\d_]|\.\d)/gu;
-const UNITS = /^(?:[munµ]?m[²³]?|[kMG]?Pa|kN(?:\/m[²³]?)?|min|ms|h|d|s|day|base|deg|°|[\d\s./·²³⁻⁴^*-])+$/;
+const UNITS = /^(?:[munµ]?m[²³]?|[kMG]?Pa|kN(?:\/m[²³]?)?|min|ms|h|d|s|day|base|deg|°|[\d\s./·⁻⁰¹²³⁴⁵⁶⁷⁸⁹^*-])+$/;
 const SHORTENED =
   "Mech|Eng|Geotech|Geotechn|Found|Int|Num|J|Proc|Conf|Soils|ed|No|Fig|Eq|e\\.g|i\\.e|cf|Mater|Frict|Numer|Anal";
 const SENTENCES = new RegExp(`(?<=(?<!\\b(?:${SHORTENED}))[.!?…]) (?=\\S)`);
@@ -19,9 +19,8 @@ const CUTS = [
 ];
 const EDGES = /^([\s,;:·()[\]“”"–—…⚠×→←▲▼+=<≤≥-]*)(.*?)([\s,;:·()[\]“”"–—…×→←▲▼.?]*)$/su;
 const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt", "label", "aria-valuetext", "data-label"];
-const KEPT = "script,style,code,pre,textarea,[translate=no]";
+const KEPT = "script,style,code,pre,[translate=no]";
 const SHORT = 12; // letters of a pattern that is asked only after a text has been cut into its sentences
-
 const FEW = 8; // letters of a pattern, such as "{} of {}", that joins names, not sentences
 
 /** What translates texts by a catalogue: `translate(text)`; `missing` collects what it has no phrase for. */
@@ -62,26 +61,26 @@ export class Translator {
     const [, before, inner, after] = /^(\s*)(.*?)(\s*)$/su.exec(text);
     const plain = inner.replace(/[^\S\u00a0\u202f]+/g, " ");
     const found = this.phrase(plain);
-    if (found !== null) return before + found + after;
+    if (found !== undefined) return before + found + after;
     if (collect) this.missing.add(plain); // what a pattern takes is a name or a value, in most cases
     return text;
   }
 
-  /** The phrase for a text, or for its parts; null where no part has one. */
+  /** The phrase for a text, or for its parts; undefined where no part has one. */
   phrase(text) {
     const whole = this.own(text) ?? this.matched(text, SHORT, Infinity);
-    if (whole !== null && whole !== undefined) return whole;
+    if (whole !== undefined) return whole;
     for (const [cut, joined] of CUTS) {
       const parts = text.split(cut);
       if (parts.length > 1) return parts.map((part) => this.whole(part)).join(joined);
     }
     const short = this.matched(text, 0, SHORT);
-    if (short !== null) return short;
+    if (short !== undefined) return short;
     const [, before, inner, after] = EDGES.exec(text);
-    if (!inner || inner === text) return null;
+    if (!inner || inner === text) return undefined;
     if (!LETTERS.test(inner) || UNITS.test(inner)) return text;
     const found = this.exact.get(inner) ?? this.matched(inner, 0, Infinity);
-    return found === null || found === undefined ? null : before + found + after;
+    return found === undefined ? undefined : before + found + after;
   }
 
   /** The phrase for a text, or for the one that the form made a sentence of: it begins with a capital and ends with a dot. */
@@ -96,13 +95,15 @@ export class Translator {
   /** By a pattern of `least` to `most` letters; texts that differ in numbers alone go by the same one. */
   matched(text, least, most) {
     const kind = `${least} ${text.replace(NUMBER, "#")}`;
-    let route = this.routes.get(kind);
-    if (route === undefined) {
-      route = this.patterns.find((one) => fits(one, text, least, most)) ?? null;
-      this.routes.set(kind, route);
+    if (!this.routes.has(kind)) {
+      this.routes.set(
+        kind,
+        this.patterns.find((one) => fits(one, text, least, most)),
+      );
     }
+    const route = this.routes.get(kind);
     const found = route?.expression.exec(text);
-    if (!found) return null;
+    if (!found) return undefined;
     return route.make(found.slice(1).map((part) => (part ? this.whole(part, false) : "")));
   }
 }
@@ -162,24 +163,24 @@ function put(node, name, text, set) {
   if (now !== text) set(now);
 }
 
+function putAttributes(element) {
+  for (const name of ATTRIBUTES)
+    put(element, name, element.getAttribute(name), (text) => {
+      element.setAttribute(name, text);
+    });
+}
+
 /** Translate what stands below a node now, not only once the browser says that it has changed. */
 export function translateBelow(node) {
   if (!translator) return;
   if (node.nodeType === Node.TEXT_NODE) {
-    if (node.parentElement && !node.parentElement.closest(KEPT))
+    if (node.parentElement && !node.parentElement.closest(`textarea,${KEPT}`))
       put(node, "", node.data, (text) => {
         node.data = text;
       });
   } else if (node.nodeType === Node.ELEMENT_NODE && !node.closest(KEPT)) {
-    for (const name of ATTRIBUTES)
-      put(node, name, node.getAttribute(name), (text) => {
-        node.setAttribute(name, text);
-      });
+    putAttributes(node);
     for (const child of node.childNodes) translateBelow(child);
-  } else if (node.nodeType === Node.ELEMENT_NODE && node.localName === "textarea") {
-    put(node, "placeholder", node.getAttribute("placeholder"), (text) => {
-      node.placeholder = text;
-    });
   }
 }
 
@@ -190,12 +191,7 @@ if (translator) {
     for (const { type, target, addedNodes } of changes) {
       if (type === "childList") addedNodes.forEach(translateBelow);
       else if (type === "characterData") translateBelow(target);
-      else
-        for (const name of ATTRIBUTES)
-          if (!target.closest(KEPT))
-            put(target, name, target.getAttribute(name), (text) => {
-              target.setAttribute(name, text);
-            });
+      else if (!target.closest(KEPT)) putAttributes(target);
     }
   }).observe(root, {
     subtree: true,
