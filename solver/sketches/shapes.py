@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 __all__ = ["SIZE", "Area", "Dot", "Drawing", "Ink", "Line", "Point", "Shape", "Sheet", "Text", "text_width"]
 
-Ink: TypeAlias = Literal["ink", "muted", "grid", "soil", "steel", "stone", "water", "load", "reading"]
+Ink: TypeAlias = Literal["ink", "muted", "grid", "soil", "steel", "stone", "marl", "water", "load", "reading"]
 """What something is; the renderer chooses the colours."""
 
 Point: TypeAlias = tuple[float, float]

@@ -9,6 +9,7 @@ from geoswarm.solver.report.figures.style import (
     GREEN,
     GRID,
     INK,
+    MARL,
     MUTED,
     ORANGE,
     SOIL,
@@ -17,7 +18,7 @@ from geoswarm.solver.report.figures.style import (
     drawing,
     head,
 )
-from geoswarm.solver.sketches.declared import Sketch
+from geoswarm.solver.sketches.declared import CrossSection, Sketch
 from geoswarm.solver.sketches.drawing import DrawnSketch
 from geoswarm.solver.sketches.shapes import Area, Dot, Ink, Line, Shape, Text
 
@@ -41,6 +42,7 @@ _COLOURS: dict[Ink, str] = {
     "soil": SOIL,
     "steel": STEEL,
     "stone": STONE,
+    "marl": MARL,
     "water": BLUE,
     "load": ORANGE,
     "reading": GREEN,
@@ -48,7 +50,7 @@ _COLOURS: dict[Ink, str] = {
 
 
 def sketch_figure(title: str, sketch: DrawnSketch) -> Figure:
-    """Draw the specimen or the ground, with the loading programme next to it."""
+    """Draw the specimen, the ground or the section, with the loading programme next to it."""
     from matplotlib.figure import Figure
 
     told = sketch.drawings
@@ -72,9 +74,12 @@ def sketch_figure(title: str, sketch: DrawnSketch) -> Figure:
 
 
 def sketch_rows(sketch: Sketch) -> tuple[list[str], list[list[object]]]:
-    """Return header and rows of the figure's numbers: the corners of the lines of the programme."""
+    """Return header and rows of the figure's numbers: corners of regions, and those of the lines of the programme."""
     header = ["panel", "quantity", "x", "x_quantity", "x_unit", "y", "y_unit"]
     rows: list[list[object]] = []
+    if isinstance(sketch.body, CrossSection):
+        regions = [(one.name, piece) for one in sketch.body.regions for piece in one.pieces]
+        rows += [[0, name, x, "x", "m", y, "m"] for name, piece in regions for x, y in piece]
     for number, panel in enumerate(sketch.programme, start=1):
         for track in panel.tracks:
             symbol = track.symbol or panel.symbol
