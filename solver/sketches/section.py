@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
-import numpy as np
-
 from geoswarm.solver.sketches.declared import CrossSection, Held, Place, Pushed
 from geoswarm.solver.sketches.key import WIDTH, draw_key, region_ink
 from geoswarm.solver.sketches.marks import SMALL
@@ -159,7 +157,8 @@ def _push(sheet: Sheet, load: Pushed, at: To) -> list[list[Point]]:
     line, inwards = [at(place) for place in load.line], _inwards(load.boundary)
     arrows: list[list[Point]] = []
     for place, along, where in _even(line, _APART, 2):
-        size = float(np.interp(where, range(len(load.sizes)), load.sizes))
+        first = min(int(where), len(load.sizes) - 2)
+        size = load.sizes[first] + (where - first) * (load.sizes[first + 1] - load.sizes[first])
         normal = inwards(along)
         into = normal if load.towards is None else (load.towards[0], -load.towards[1])
         onto = into[0] * normal[0] + into[1] * normal[1]

@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import TypeAlias
 
-import numpy as np
-
 from geoswarm.solver.sketches.declared import CrossSection, Place, Region
 from geoswarm.solver.sketches.key import WIDTH, clipped, load_symbols
 from geoswarm.solver.sketches.marks import SMALL, Labels
@@ -107,9 +105,7 @@ def _outside(sheet: Sheet, labels: Labels, region: Region, section: CrossSection
     """Write the name of a region over or below the section, with a line to the region; where it ends."""
     targets: list[tuple[Point, Point]] = []
     for x, middle, _ in _middles(region, at):
-        top, base = (
-            at((x, float(np.interp(x, *zip(*line, strict=True)))))[1] for line in (section.surface, section.bottom)
-        )
+        top, base = (_height(line, x, at) for line in (section.surface, section.bottom))
         beside = [top - up for up in (8.0, 20.0)] if middle[1] - top < base - middle[1] else []
         targets += [((middle[0], y), middle) for y in (*beside, base + 18.0, base + 31.0)]
     targets.sort(key=lambda one: abs(one[0][1] - one[1][1]))
@@ -122,6 +118,14 @@ def _outside(sheet: Sheet, labels: Labels, region: Region, section: CrossSection
         return 0.0
     sheet.dot(target(found), 1.6, "muted")
     return found[1]
+
+
+def _height(line: Sequence[Place], x: float, at: To) -> float:
+    """Where a line from left to right lies at x, on the sheet."""
+    for (a, y), (b, to_y) in pairwise(line):
+        if a <= x <= b:
+            return at((x, y + (x - a) / (b - a) * (to_y - y)))[1]
+    return at(line[-1])[1]
 
 
 def span_at(piece: Sequence[Place], x: float) -> tuple[float, float] | None:

@@ -25,6 +25,7 @@ CASES = {
     "crs_oedometer": ("h = 20 mm", "back_pressure", "200", "200 kPa"),
     "consolidation": ("h = 20 mm", "stages[1].stress", "160", "160"),
     "column": ("clay, 6 m", "layers[1].thickness", "8", "clay, 8 m"),
+    "section": ("clay, depth = 3 m: rock → soil (elastic)", "points.A.x", "5", "A"),
 }
 """What is written in the sketch of the small example, a field, another value, and what is written then."""
 
