@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from geoswarm.solver.sketches.declared import CrossSection, Ground, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.ground import draw_ground
-from geoswarm.solver.sketches.key import region_text
+from geoswarm.solver.sketches.key import draw_key, key_words
 from geoswarm.solver.sketches.panels import draw_programme
 from geoswarm.solver.sketches.phases import draw_phases, phase_text
 from geoswarm.solver.sketches.section import draw_section, enlarged, size_of
@@ -56,6 +56,8 @@ def drawings(sketch: Sketch) -> tuple[Told, ...]:
     else:
         body = Told(sketch.test, draw_specimen(sketch.body), _of_specimen(sketch.body))
     found = [body]
+    if isinstance(sketch.body, CrossSection):
+        found.append(Told("Key", draw_key(sketch.body), key_words(sketch.body)))
     if sketch.phases:
         named = [phase_text(phase) for phase in sketch.phases]
         found.append(Told("Phases", draw_phases(sketch.phases), f"Phases: {_listed(named)}."))
@@ -126,18 +128,6 @@ def _listed(texts: Sequence[str]) -> str:
 def _of_section(section: CrossSection) -> str:
     wide, tall = size_of(section)
     parts = [f"Vertical section, {number(round(wide, 3))} m wide and {number(round(tall, 3))} m high."]
-    layers = [region_text(one) for one in section.regions if one.kind == "layer"]
-    parts.append(f"Layers from the surface down: {_listed(layers)}.")
-    zones = [region_text(one) for one in section.regions if one.kind == "zone"]
-    if zones:
-        parts.append(f"Zones: {_listed(zones)}.")
-    if section.seams:
-        parts.append(f"Interfaces: {_listed([one.name for one in section.seams])}.")
-    if section.points:
-        parts.append(f"Observed points: {_listed([name for name, _ in section.points])}.")
-    if section.loads:
-        loads = dict.fromkeys(f"{one.value} on {one.boundary} from {one.phase}" for one in section.loads)
-        parts.append(f"Loads: {_listed(list(loads))}.")
     if section.given:
         parts.append(f"Drawn for {_listed([f'{name} = {value:g}' for name, value in section.given])}.")
     if enlarged(section) > 1.0:

@@ -1,4 +1,4 @@
-"""The key of a section: what its parts are, a row each."""
+"""The key of a section: what its parts are, a row each, in shapes and in words."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import textwrap
 
 from geoswarm.solver.sketches.declared import CrossSection, Region
 from geoswarm.solver.sketches.marks import SMALL
-from geoswarm.solver.sketches.shapes import Ink, Sheet, text_width
+from geoswarm.solver.sketches.shapes import Drawing, Ink, Sheet, text_width
 from geoswarm.solver.sketches.ticks import number
 
-__all__ = ["WIDTH", "clipped", "draw_key", "load_symbols", "region_ink", "region_text", "wrapped"]
+__all__ = ["WIDTH", "clipped", "draw_key", "key_words", "load_symbols", "region_ink", "wrapped"]
 
-WIDTH = 340.0
-"""Of the sheet of a section."""
+WIDTH = 270.0
+"""Of the sheet of a key."""
 _ROW, _LINE = 16.0, 13.0
 _MOST_ROWS = 16
 _INKS: tuple[Ink, ...] = ("soil", "stone", "steel")
@@ -45,12 +45,12 @@ def clipped(text: str, most: int) -> str:
 
 
 def wrapped(text: str, room: float) -> list[str]:
-    """A text in one line or two, cut where it is longer."""
+    """A text in up to three lines, cut where it is longer."""
     most = int(room / text_width("x", SMALL))
-    return [clipped(line, most) for line in textwrap.wrap(text, most, max_lines=2, placeholder="…")] or [""]
+    return [clipped(line, most) for line in textwrap.wrap(text, most, max_lines=3, placeholder="…")] or [""]
 
 
-def region_text(region: Region) -> str:
+def _region_text(region: Region) -> str:
     """What a region is: size, materials in the order of the phases, and law."""
     text = region.name + (f", {region.size}" if region.size else "")
     if region.materials:
@@ -62,24 +62,12 @@ def region_text(region: Region) -> str:
     return f"{text}, from {region.since}" if region.since else text
 
 
-def draw_key(sheet: Sheet, section: CrossSection, top: float) -> float:
-    """What the parts are, a row each; where it ends."""
-    symbols = load_symbols(section)
-    rows: list[tuple[str, Ink, str]] = [("area", region_ink(section, one), region_text(one)) for one in section.regions]
-    rows += [("line", "ink", f"{one.name}: interface, {' → '.join(one.materials)}") for one in section.seams]
-    for value, symbol in symbols.items():
-        loads = [load for load in section.loads if load.value == value]
-        named = ", ".join(dict.fromkeys(load.boundary for load in loads))
-        text = value if symbol == value else f"{symbol}: {value}"
-        rows.append(("arrow", "load", f"{text} on {named}"))
-    water = sorted({load.water for load in section.loads if load.water is not None})
-    rows += [("water", "water", f"free water up to {number(level)} m") for level in water]
-    if section.points:
-        rows.append(("dot", "reading", f"observed: {', '.join(name for name, _ in section.points)}"))
+def draw_key(section: CrossSection) -> Drawing:
+    """Draw what the parts of a section are, a row each."""
+    sheet, y, rows = Sheet(WIDTH), 9.0, _rows(section)
     left_out = len(rows) - _MOST_ROWS
     if left_out > 0:
         rows = rows[: _MOST_ROWS - 1]
-    y = top
     for symbol, ink, text in rows:
         _symbol(sheet, symbol, ink, y)
         for line in wrapped(text, WIDTH - 26.0):
@@ -89,7 +77,31 @@ def draw_key(sheet: Sheet, section: CrossSection, top: float) -> float:
     if left_out > 0:
         sheet.text((24.0, y + 4.0), f"{left_out + 1} more", "start", "muted", SMALL)
         y += _ROW
-    return y + 2.0
+    return sheet.done(y - 5.0, worded=True)
+
+
+def key_words(section: CrossSection) -> str:
+    """The same in words."""
+    texts = [text for _, _, text in _rows(section)]
+    left_out = len(texts) - _MOST_ROWS
+    return f"Parts: {'; '.join(texts[:_MOST_ROWS])}" + (f"; and {left_out} more." if left_out > 0 else ".")
+
+
+def _rows(section: CrossSection) -> list[tuple[str, Ink, str]]:
+    """Symbol, ink and text of each row."""
+    symbols = load_symbols(section)
+    rows: list[tuple[str, Ink, str]] = [
+        ("area", region_ink(section, one), _region_text(one)) for one in section.regions
+    ]
+    rows += [("line", "ink", f"{one.name}: interface, {' → '.join(one.materials)}") for one in section.seams]
+    for value, symbol in symbols.items():
+        named = ", ".join(dict.fromkeys(load.boundary for load in section.loads if load.value == value))
+        rows.append(("arrow", "load", f"{value if symbol == value else f'{symbol}: {value}'} on {named}"))
+    water = sorted({load.water for load in section.loads if load.water is not None})
+    rows += [("water", "water", f"free water up to {number(level)} m") for level in water]
+    if section.points:
+        rows.append(("dot", "reading", f"observed: {', '.join(name for name, _ in section.points)}"))
+    return rows
 
 
 def _symbol(sheet: Sheet, symbol: str, ink: Ink, y: float) -> None:

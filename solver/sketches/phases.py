@@ -25,7 +25,10 @@ def draw_phases(phases: Sequence[Phase]) -> Drawing:
         sheet.text((_TEXT, y + 4.0), clipped(phase.name, 20), "start")
         head = _head(phase)
         room = WIDTH - 2.0 - _TEXT - text_width(clipped(phase.name, 20)) - 8.0
-        sheet.text((WIDTH - 2.0, y + 4.0), clipped(head, int(room / text_width("x", SMALL))), "end", size=SMALL)
+        if text_width(head, SMALL) > room:
+            y += _ROW
+        head = clipped(head, int((WIDTH - 2.0 - _TEXT) / text_width("x", SMALL)))
+        sheet.text((WIDTH - 2.0, y + 4.0), head, "end", size=SMALL)
         for text in _rows(phase):
             for line in wrapped(text, WIDTH - 2.0 - _TEXT):
                 y += _ROW
@@ -40,7 +43,7 @@ def draw_phases(phases: Sequence[Phase]) -> Drawing:
         sheet.text((_AXIS, place + 4.0), str(number), size=SIZE - 1.0)
         if after is not None:
             sheet.line((_AXIS, place + 9.0), (_AXIS, after - 9.0), ink="muted", width=1.2)
-    return sheet.done(y - _GAP)
+    return sheet.done(y - _GAP, worded=True)
 
 
 def phase_text(phase: Phase) -> str:

@@ -1,4 +1,4 @@
-"""The shapes of a vertical section: layers, interfaces, points, loads, water and what is held, to scale, with a key."""
+"""The shapes of a vertical section: layers, interfaces, points, loads, water and what is held, to scale."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 from geoswarm.solver.sketches.declared import CrossSection, Held, Place, Pushed
-from geoswarm.solver.sketches.key import WIDTH, draw_key, region_ink
+from geoswarm.solver.sketches.key import clipped, region_ink
 from geoswarm.solver.sketches.marks import SMALL
 from geoswarm.solver.sketches.section_names import To, name_parts, span_at
 from geoswarm.solver.sketches.shapes import Drawing, Ink, Line, Point, Sheet, Text
@@ -15,6 +15,7 @@ from geoswarm.solver.sketches.ticks import linear_scale, number
 
 __all__ = ["draw_section", "enlarged", "size_of"]
 
+_WIDTH = 340.0
 _LEFT, _RIGHT = 46.0, 306.0
 _TOP = 64.0
 _TALLEST, _FLAT, _LEAST = 210.0, 70.0, 110.0
@@ -23,12 +24,13 @@ _FACTORS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5, 10.0)
 _ARROW = 22.0
 _VISIBLE = 2.6
 """Thickness at which a layer is drawn at least."""
+_ROLLER = 2.6
 _APART = 15.0
 """Of arrows and of rollers."""
 
 
 def draw_section(section: CrossSection) -> Drawing:
-    """Draw a section with its axes in metres, and below it what its parts are."""
+    """Draw a section with its axes in metres."""
     first = _drawn(section, _TOP)
     highest = min(y for shape in first.shapes if isinstance(shape, Line) for _, y in shape.points)
     names = [shape.at[1] - shape.size for shape in first.shapes if isinstance(shape, Text)]
@@ -37,7 +39,7 @@ def draw_section(section: CrossSection) -> Drawing:
 
 
 def _drawn(section: CrossSection, top: float) -> Drawing:
-    sheet = Sheet(WIDTH)
+    sheet = Sheet(_WIDTH)
     left, right, low, high = _extent(section)
     across, factor = _scale(section)
     middle = 0.5 * (_LEFT + _RIGHT)
@@ -51,16 +53,15 @@ def _drawn(section: CrossSection, top: float) -> Drawing:
         for line in seam.lines:
             sheet.line(*map(at, line), width=1.5)
     sheet.line(*map(at, section.surface), width=1.6)
-    for held in section.held:
-        _hold(sheet, held, at)
+    rollers = [place for held in section.held for place in _hold(sheet, held, at)]
     arrows = [_push(sheet, load, at) for load in section.loads]
     levels = [one for load in section.loads if (one := _water(sheet, load, at)) is not None]
     for _, place in section.points:
         sheet.dot(at(place), 2.6, "reading")
-    lowest = name_parts(sheet, section, at, arrows, levels)
+    lowest = name_parts(sheet, section, at, arrows, levels, rollers)
     foot = max(lowest + 8.0, at((left, low))[1] + 16.0)
     _axes(sheet, section, at, foot)
-    return sheet.done(draw_key(sheet, section, foot + 44.0))
+    return sheet.done(_size(sheet, section, foot + 32.0) + 4.0, worded=True)
 
 
 def size_of(section: CrossSection) -> tuple[float, float]:
@@ -132,18 +133,21 @@ def _even(line: Sequence[Point], apart: float, least: int = 1) -> Iterator[tuple
         yield (x + part * (to_x - x), y + part * (to_y - y)), along, index + part
 
 
-def _hold(sheet: Sheet, held: Held, at: To) -> None:
-    """Rollers where one displacement is zero, hatching where both are."""
+def _hold(sheet: Sheet, held: Held, at: To) -> list[Point]:
+    """Rollers where one displacement is zero, hatching where both are; where rollers stand."""
     line = [at(place) for place in held.line]
     inwards = _inwards(held.boundary)
     if held.how == "both":
         for (x, y), along, _ in _even(line, 9.0):
             across, down = inwards(along)
             sheet.line((x, y), (x - 6.0 * across - 4.0 * along[0], y - 6.0 * down - 4.0 * along[1]), ink="muted")
-        return
+        return []
+    rollers = []
     for (x, y), along, _ in _even(line, _APART):
         across, down = inwards(along)
-        sheet.dot((x - 3.4 * across, y - 3.4 * down), 2.6, "muted", filled=False)
+        rollers.append((x - 3.4 * across, y - 3.4 * down))
+        sheet.dot(rollers[-1], _ROLLER, "muted", filled=False)
+    return rollers
 
 
 def _inwards(boundary: str) -> Callable[[Point], Point]:
@@ -240,10 +244,18 @@ def _axes(sheet: Sheet, section: CrossSection, at: To, foot: float) -> None:
             sheet.text((x_axis - 5.0, y + 4.0), number(tick), "end", size=SMALL)
             previous = y
     sheet.text((x_axis - 26.0, first[1] - 16.0), "y [m]", "start", size=SMALL)
-    sheet.text((min(last[0] + 36.0, WIDTH - 1.0), foot + 4.0), "x [m]", "end", size=SMALL)
+    sheet.text((min(last[0] + 36.0, _WIDTH - 1.0), foot + 4.0), "x [m]", "end", size=SMALL)
+
+
+def _size(sheet: Sheet, section: CrossSection, y: float) -> float:
+    """Write how large the section is and how it is drawn; where that ends."""
     wide, tall = size_of(section)
     text = f"{number(round(wide, 3))} m wide, {number(round(tall, 3))} m high"
-    factor = enlarged(section)
-    if factor > 1.0:
-        text += f"; heights drawn {factor:g} times larger"
-    sheet.text((4.0, foot + 32.0), text, "start", "muted", SMALL)
+    if enlarged(section) > 1.0:
+        text += f"; heights drawn {enlarged(section):g} times larger"
+    sheet.text((4.0, y), text, "start", "muted", SMALL)
+    if not section.given:
+        return y
+    drawn = f"drawn for {', '.join(f'{name} = {value:g}' for name, value in section.given)}"
+    sheet.text((4.0, y + 14.0), clipped(drawn, 50), "start", "muted", SMALL)
+    return y + 14.0

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from geoswarm.solver.sketches.declared import CrossSection, Place, Region
-from geoswarm.solver.sketches.key import WIDTH, clipped, load_symbols
+from geoswarm.solver.sketches.key import clipped, load_symbols
 from geoswarm.solver.sketches.marks import SMALL, Labels
 from geoswarm.solver.sketches.shapes import Point, Sheet, text_width
 
@@ -28,15 +28,18 @@ def name_parts(
     at: To,
     arrows: Sequence[Sequence[Sequence[Point]]],
     levels: Sequence[Sequence[Point]],
+    rollers: Sequence[Point],
 ) -> float:
     """Names, as far as they find room; where the lowest one ends."""
     lines = [[at(place) for place in (*piece, piece[0])] for region in section.regions for piece in region.pieces]
     lines += [[at(place) for place in line] for seam in section.seams for line in seam.lines]
     lines += [list(arrow) for one in arrows for arrow in one]
     lowest = max(at(place)[1] for place in section.bottom)
-    labels = Labels([*lines, *levels], (at(section.surface[0])[0] + 2.0, WIDTH - 2.0), (2.0, lowest + 44.0))
+    labels = Labels([*lines, *levels], (at(section.surface[0])[0] + 2.0, sheet.width - 2.0), (2.0, lowest + 44.0))
     for _, place in section.points:
         x, y = at(place)
+        labels.keep_free(x - 2.6, x + 2.6, y - 2.6, y + 2.6)
+    for x, y in rollers:
         labels.keep_free(x - 2.6, x + 2.6, y - 2.6, y + 2.6)
     symbols, written = load_symbols(section), set[str]()
     for load, drawn in zip(section.loads, arrows, strict=True):
@@ -96,7 +99,7 @@ def _middles(region: Region, at: To) -> Iterator[tuple[float, Point, float]]:
 
 def _inside(sheet: Sheet, labels: Labels, region: Region, at: To) -> bool:
     """Write the name of a region where it finds room in it; whether it did."""
-    places = [(tall, (x, y + 4.0)) for _, (x, y), tall in _middles(region, at) if tall > 11.5]
+    places = [(tall, (x, y + 3.5)) for _, (x, y), tall in _middles(region, at) if tall > 11.5]
     places.sort(key=lambda one: -round(one[0] / 8.0))
     return labels.place(sheet, clipped(region.name, _LONGEST), [place for _, place in places]) is not None
 

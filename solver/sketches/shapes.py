@@ -65,11 +65,15 @@ Shape: TypeAlias = Line | Area | Dot | Text
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Shapes on a sheet of a width and a height; what comes later lies above."""
+    """Shapes on a sheet of a width and a height; what comes later lies above.
+
+    ``worded``: what it says in words stands in it, and need not be repeated below it.
+    """
 
     width: float
     height: float
     shapes: tuple[Shape, ...]
+    worded: bool = False
 
 
 def text_width(text: str, size: float = SIZE) -> float:
@@ -138,6 +142,6 @@ class Sheet:
         else:
             self.text((middle[0], middle[1] + 14.0), text)
 
-    def done(self, height: float) -> Drawing:
+    def done(self, height: float, *, worded: bool = False) -> Drawing:
         """The drawing, of a height."""
-        return Drawing(self.width, height, tuple(self.shapes))
+        return Drawing(self.width, height, tuple(self.shapes), worded)

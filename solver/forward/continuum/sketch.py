@@ -336,10 +336,16 @@ def _changes(phase: PhaseSection) -> Iterator[str]:
         yield f"placed: {', '.join(phase.activate)}"
     if phase.deactivate:
         yield f"removed: {', '.join(phase.deactivate)}"
+    loads: dict[str, list[str]] = {}
     for load in phase.loads:
-        yield f"load on {load.boundary}: {_told(load) or '0 kPa'}"
+        loads.setdefault(_told(load) or "0 kPa", []).append(load.boundary)
+    for value, names in loads.items():
+        yield f"load on {', '.join(names)}: {value}"
+    fixities: dict[str, list[str]] = {}
     for boundary, how in phase.fixities.items():
-        yield f"{boundary} is {'free' if how == 'free' else f'held ({how})'}"
+        fixities.setdefault("free" if how == "free" else f"held ({how})", []).append(boundary)
+    for told, names in fixities.items():
+        yield f"{told}: {', '.join(names)}"
     if phase.updated_mesh:
         yield "large deformations"
     if phase.reset_displacements:
@@ -360,8 +366,9 @@ def _programme(section: SketchedSection) -> tuple[Panel, ...]:
         time += 0.0 if phase.duration is None else _known(phase.duration, section.nominal) or 0.0
     if time == 0.0 or not steps:
         return ()
-    tracks = [
-        Track(name, _corners([*points, (time, points[-1][1])]), marks=tuple(range(1, len(_corners(points)))))
-        for name, points in steps.items()
-    ]
+    tracks = []
+    for name, points in steps.items():
+        corners = _corners([*points, (time, points[-1][1])])
+        changes = (at for at, (before, after) in enumerate(pairwise(corners), 1) if before[1] != after[1])
+        tracks.append(Track(name, corners, marks=tuple(changes)))
     return (Panel("Loads over time.", "p", "kPa", "time", "day", tuple(tracks)),)

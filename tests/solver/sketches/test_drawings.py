@@ -164,7 +164,7 @@ def test_the_element_is_sound_and_says_the_same_in_words(case: str) -> None:
         ("column", ["crust, 1.5 m", "clay, 6 m", "S1", "P1", "7.5"], "Water table 1.5 m below the surface"),
         ("section", ["clay", "rock", "A", "y [m]", "x [m]"], "Drawn for depth = 3."),
         ("slope", ["cover", "shear_zone", "bedrock", "stable", "crack", "secondary", *"ABCDEF"], "226 m high"),
-        ("excavation", ["pit_1", "pit_2", "wall", "base_slip", "33.3 kPa", "p₂", "p₃"], "10 kPa/m below 1.5 m on lake"),
+        ("excavation", ["pit_1", "pit_2", "wall", "base_slip", "33.3 kPa", "p₂", "p₃"], "40 m wide and 20 m high"),
     ],
 )
 def test_a_specimen_shows_what_its_section_says(case: str, written: list[str], said: str) -> None:
