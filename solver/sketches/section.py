@@ -244,7 +244,7 @@ def _axes(sheet: Sheet, section: CrossSection, at: To, foot: float) -> None:
             sheet.text((x_axis - 5.0, y + 4.0), number(tick), "end", size=SMALL)
             previous = y
     sheet.text((x_axis - 26.0, first[1] - 16.0), "y [m]", "start", size=SMALL)
-    sheet.text((min(last[0] + 36.0, _WIDTH - 1.0), foot + 4.0), "x [m]", "end", size=SMALL)
+    sheet.text((min(last[0] + 36.0, _WIDTH - 1.0), foot - 2.0), "x [m]", "end", size=SMALL)
 
 
 def _size(sheet: Sheet, section: CrossSection, y: float) -> float:
