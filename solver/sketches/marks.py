@@ -40,7 +40,7 @@ class Labels:
     def __init__(
         self, lines: Sequence[Sequence[Point]], across: tuple[float, float], down: tuple[float, float]
     ) -> None:
-        self._pieces = [piece for line in lines for piece in pairwise(line)]
+        self._pieces = [_bounded(*piece) for line in lines for piece in pairwise(line)]
         self._across, self._down = across, down
         self._taken: list[Box] = []
 
@@ -75,7 +75,7 @@ class Labels:
                 if any(_crossing(start, end, taken) for taken in self._taken):
                     continue
                 sheet.line(start, end, ink="muted", width=0.7)
-                self._pieces.append((start, end))
+                self._pieces.append(_bounded(start, end))
             self._taken.append(box)
             sheet.text((middle, y), text, size=SMALL)
             return middle, y
@@ -85,7 +85,17 @@ class Labels:
         left, right, top, bottom = box
         if any(left < b and right > a and top < d and bottom > c for a, b, c, d in self._taken):
             return False
-        return not any(_crossing(a, b, box) for a, b in self._pieces)
+        near = (
+            piece
+            for (a, b, c, d), piece in self._pieces
+            if a < right and b > left and c < bottom and d > top  # most pieces of large sections lie elsewhere
+        )
+        return not any(_crossing(start, end, box) for start, end in near)
+
+
+def _bounded(start: Point, end: Point) -> tuple[Box, tuple[Point, Point]]:
+    (x, y), (to_x, to_y) = start, end
+    return (min(x, to_x), max(x, to_x), min(y, to_y), max(y, to_y)), (start, end)
 
 
 def _crossing(start: Point, end: Point, box: Box) -> bool:

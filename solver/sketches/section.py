@@ -31,14 +31,6 @@ _APART = 15.0
 
 def draw_section(section: CrossSection) -> Drawing:
     """Draw a section with its axes in metres."""
-    first = _drawn(section, _TOP)
-    highest = min(y for shape in first.shapes if isinstance(shape, Line) for _, y in shape.points)
-    names = [shape.at[1] - shape.size for shape in first.shapes if isinstance(shape, Text)]
-    spare = min(highest, *names) - 4.0
-    return first if spare < 3.0 else _drawn(section, _TOP - spare)
-
-
-def _drawn(section: CrossSection, top: float) -> Drawing:
     sheet = Sheet(_WIDTH)
     left, right, low, high = _extent(section)
     across, factor = _scale(section)
@@ -46,7 +38,7 @@ def _drawn(section: CrossSection, top: float) -> Drawing:
 
     def at(place: Place) -> Point:
         x, y = place
-        return middle + across * (x - 0.5 * (left + right)), top + across * factor * (high - y)
+        return middle + across * (x - 0.5 * (left + right)), _TOP + across * factor * (high - y)
 
     _regions(sheet, section, at)
     for seam in section.seams:
@@ -59,9 +51,13 @@ def _drawn(section: CrossSection, top: float) -> Drawing:
     for _, place in section.points:
         sheet.dot(at(place), 2.6, "reading")
     lowest = name_parts(sheet, section, at, arrows, levels, rollers)
-    foot = max(lowest + 8.0, at((left, low))[1] + 16.0)
+    foot = max(lowest + 12.0, at((left, low))[1] + 16.0)
     _axes(sheet, section, at, foot)
-    return sheet.done(_size(sheet, section, foot + 32.0) + 4.0, worded=True)
+    end = _size(sheet, section, foot + 32.0) + 4.0
+    lines = [y for shape in sheet.shapes if isinstance(shape, Line) for _, y in shape.points]
+    spare = min(*lines, *(shape.at[1] - shape.size for shape in sheet.shapes if isinstance(shape, Text))) - 4.0
+    sheet.raise_by(spare)
+    return sheet.done(end - spare, worded=True)
 
 
 def size_of(section: CrossSection) -> tuple[float, float]:

@@ -14,7 +14,8 @@ from geoswarm.solver.sketches.shapes import Point, Sheet, text_width
 
 __all__ = ["To", "name_parts", "span_at"]
 
-_MOST_LABELLED = 60
+_MOST_LABELLED, _MOST_BESIDE = 30, 12
+"""Points, and regions beside which a name is written."""
 _LONGEST = 24
 """Letters of a name."""
 
@@ -55,7 +56,7 @@ def name_parts(
             half = 0.5 * text_width(seam.name, SMALL) + 4.0
             middle = (0.5 * (x + to_x), 0.5 * (y + to_y) + 4.0)
             labels.place(sheet, seam.name, [(middle[0] + d * half, middle[1]) for d in (-1.0, 1.0)])
-    for region in beside:
+    for region in beside[:_MOST_BESIDE]:
         lowest = max(lowest, _outside(sheet, labels, region, section, at))
     return lowest
 

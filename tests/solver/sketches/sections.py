@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import yaml
-
 from geoswarm.solver.examples import example_file
+from geoswarm.solver.problem.text.reading import read_problem_file
 
 __all__ = ["CLIFF", "EXCAVATION", "LAYERED", "SLOPE"]
 
 with example_file("slope") as _path:
-    SLOPE: dict[str, Any] = yaml.safe_load(_path.read_text(encoding="utf-8"))["forward_model"]
+    SLOPE: dict[str, Any] = read_problem_file(_path)["forward_model"]
 
 _SOIL = {"law": "elastic", "E": 20000, "nu": 0.3, "unit_weight": 20}
 _CONTACT = {"law": "interface", "normal_stiffness": 1e5, "shear_stiffness": 1e4, "c": 0, "phi": 20}
