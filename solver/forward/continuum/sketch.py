@@ -256,15 +256,14 @@ def _loads(section: SketchedSection, outline: _Outline) -> Iterator[Pushed]:
         if load.pressure or load.pressure_increase:
             base, grows = (_known(one, section.nominal) for one in (load.pressure, load.pressure_increase))
             water = level if base == 0.0 and grows is not None and _WATER[0] <= grows <= _WATER[1] else None
-            base = 1.0 if base is None else base
-            grows = 1.0 if grows is None else grows
-            # an unknown size has an unknown part: a pressure that grows is drawn as a triangle, any other as even
+            base = _sign(load.pressure) if base is None else base  # as if it were 1, with its sign
+            grows = _sign(load.pressure_increase) if grows is None else grows
             sizes = [base + grows * ((level or 0.0) - y) for _, y in line]
             yield Pushed(name, line, told, phase, None, _parts(sizes), water)
         for given, towards in ((load.x, (1.0, 0.0)), (load.y, (0.0, 1.0))):
             if given:
                 value = _known(given, section.nominal)
-                sign = -1.0 if value is not None and value < 0.0 else 1.0
+                sign = _sign(given) if value is None else -1.0 if value < 0.0 else 1.0
                 yield Pushed(name, line, told, phase, (sign * towards[0], sign * towards[1]), tuple(1.0 for _ in line))
 
 
@@ -278,6 +277,11 @@ def _known(given: Any, values: Mapping[str, float]) -> float | None:
     if isinstance(given, Quantity) and not set(given.expression.names) <= values.keys():
         return None
     return value_of(given, values)
+
+
+def _sign(given: Any) -> float:
+    """That of an expression whose value is not known: as it is written."""
+    return -1.0 if given.expression.text.lstrip().startswith("-") else 1.0
 
 
 def _shown(given: Any) -> str:

@@ -83,6 +83,12 @@ def test_materials_loads_and_what_holds_are_those_of_the_end() -> None:
     assert [load.water for load in body_of(EXCAVATION).loads] == [None, 1.5, -3.0]
 
 
+def test_a_load_of_unknown_size_acts_as_its_sign_says() -> None:
+    crest, surface = body_of(CLIFF).loads
+    assert (crest.value, crest.towards) == ("-q kPa along y", (0.0, -1.0))
+    assert (surface.value, surface.towards) == ("5 kPa along x", (1.0, 0.0))
+
+
 def test_loads_that_follow_each_other_are_drawn_over_time() -> None:
     (panel,) = sketched(LAYERED).programme
     (track,) = panel.tracks
