@@ -1,4 +1,4 @@
-"""Draws the figures of the theory pages: what each laboratory test does, and the surfaces of the soil laws.
+"""Draws the figures of the theory pages: what each laboratory test does, a section, and the surfaces of the laws.
 
 Run ``python docs/draw_theory.py`` after a change of a sketch or of an equation. Tests are drawn as the form and the
 reports draw them, from the example of their section; surfaces from the equations on the pages of the laws, not from
@@ -16,7 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from geoswarm.solver.arrays import FloatArray
-from geoswarm.solver.forward.registry import find_spec, sketches_of
+from geoswarm.solver.examples import example_file
+from geoswarm.solver.forward.registry import find_spec, parse_spec, sketches_of
+from geoswarm.solver.problem.text.reading import read_problem_file
 from geoswarm.solver.report.figures.sketch_plot import sketch_figure
 from geoswarm.solver.report.figures.style import BLUE, GREEN, ORANGE, drawing
 from geoswarm.verification.exact.hardening_soil import Drained
@@ -44,6 +46,14 @@ def tests() -> Iterator[tuple[str, Figure]]:
         assert example is not None
         (sketch,) = sketches_of(spec.model_validate(example)).values()
         yield f"test-{kind.replace('_', '-')}", sketch_figure(title, sketch)
+
+
+def sections() -> Iterator[tuple[str, Figure]]:
+    """The section of the slope in the examples."""
+    with example_file("slope") as path:
+        spec = parse_spec(read_problem_file(path)["forward_model"])
+    (sketch,) = sketches_of(spec).values()
+    yield "section-slope", sketch_figure("Section of a slope", sketch)
 
 
 def mohr_coulomb(theta: FloatArray) -> FloatArray:
@@ -205,7 +215,7 @@ def main() -> None:
         old.unlink()
     with drawing():
         laws = {"cones": cones, "cam-clay": cam_clay, "hardening-soil": hardening_soil, "elastic": elastic}
-        figures = [*tests(), *((name, draw()) for name, draw in laws.items())]
+        figures = [*tests(), *sections(), *((name, draw()) for name, draw in laws.items())]
         for name, figure in figures:
             figure.savefig(FOLDER / f"{name}.svg", facecolor="white", metadata={"Date": None})
     print(f"{len(figures)} figures in {FOLDER.name}")

@@ -27,16 +27,17 @@ from geoswarm.solver.errors import InfeasibleError, Issue, MeshError, ProblemErr
 from geoswarm.solver.fem.mesh.layered import LayeredMesh
 from geoswarm.solver.fem.mesh.mesh import Mesh
 from geoswarm.solver.forward.base import ForwardModelSpec
-from geoswarm.solver.forward.continuum.body import BodySections, check_names
+from geoswarm.solver.forward.continuum.body import check_names
 from geoswarm.solver.forward.continuum.geometry import GeometrySections, profile_of
 from geoswarm.solver.forward.continuum.model import BodyModel
 from geoswarm.solver.forward.continuum.phases import BoundaryName, Fixity
 from geoswarm.solver.forward.continuum.quantity import quantities_in
+from geoswarm.solver.forward.continuum.sketch import SketchedSection
 
 __all__ = ["SectionModel", "SectionSpec"]
 
 
-class SectionSpec(GeometrySections, BodySections, ForwardModelSpec):
+class SectionSpec(SketchedSection, ForwardModelSpec):
     """Section through a layered slope or embankment, with finite elements in plane strain.
 
     Series: ``A.ux`` and ``A.uy`` over time for every point A (m; x to the right, y upwards), and ``gps.ux`` and

@@ -5,7 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-__all__ = ["Drains", "End", "Ground", "Layer", "Load", "Panel", "Reading", "Sketch", "SpecimenSketch", "Track"]
+__all__ = [
+    "CrossSection",
+    "Drains",
+    "End",
+    "Ground",
+    "Held",
+    "Layer",
+    "Load",
+    "Panel",
+    "Phase",
+    "Place",
+    "Pushed",
+    "Reading",
+    "Region",
+    "Seam",
+    "Sketch",
+    "SpecimenSketch",
+    "Track",
+]
 
 End: TypeAlias = Literal["drained", "shut", "closed"]
 """Of a specimen: a porous stone where water leaves, one whose valve is shut, or a plate that lets no water through."""
@@ -111,6 +129,127 @@ class Ground:
     instruments: tuple[tuple[str, float], ...] = ()
 
 
+Place: TypeAlias = tuple[float, float]
+"""x to the right and y upwards, m."""
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A region of a section.
+
+    Parameters
+    ----------
+    name, kind
+        Its name, and whether it is a layer, or a piece of layers that is drawn over them.
+    size
+        Its thickness, or where its bottom lies, in words; may be empty.
+    materials
+        Names of its materials in the order of the phases.
+    law
+        Of the last material.
+    pieces
+        Its corners; a layer that ends and begins again has several pieces.
+    since
+        Phase from which it is there; empty: from the beginning.
+    removed
+        Phase in which it is removed for good; empty: it stays.
+    """
+
+    name: str
+    kind: Literal["layer", "zone"]
+    size: str
+    materials: tuple[str, ...]
+    law: str
+    pieces: tuple[tuple[Place, ...], ...]
+    since: str = ""
+    removed: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Seam:
+    """An interface along which the body may open or slide: its lines, and names of its materials."""
+
+    name: str
+    lines: tuple[tuple[Place, ...], ...]
+    materials: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Pushed:
+    """A load on a boundary.
+
+    Parameters
+    ----------
+    boundary
+        Its name.
+    line
+        From left to right, or downwards.
+    value
+        In words: ``20 kPa``.
+    phase
+        From which it acts.
+    towards
+        (x, y): which way it acts; None: at right angles onto the body.
+    sizes
+        At both ends of the line and wherever it bends, in parts of the largest one; negative: away from the body.
+    water
+        Height of free water that the load is, m; None where it is none.
+    """
+
+    boundary: str
+    line: tuple[Place, ...]
+    value: str
+    phase: str
+    towards: Place | None
+    sizes: tuple[float, ...]
+    water: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A boundary, or a piece of it, that is held in the last phase."""
+
+    boundary: str
+    line: tuple[Place, ...]
+    how: Literal["horizontal", "vertical", "both"]
+
+
+@dataclass(frozen=True, slots=True)
+class CrossSection:
+    """A vertical section of the ground.
+
+    Parameters
+    ----------
+    surface, bottom
+        From left to right.
+    points
+        Names and places of what is observed.
+    given
+        What the numbers of the geometry were chosen for: names of parameters and their nominal values.
+    """
+
+    surface: tuple[Place, ...]
+    bottom: tuple[Place, ...]
+    regions: tuple[Region, ...]
+    seams: tuple[Seam, ...] = ()
+    points: tuple[tuple[str, Place], ...] = ()
+    loads: tuple[Pushed, ...] = ()
+    held: tuple[Held, ...] = ()
+    given: tuple[tuple[str, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """A phase: its name, its kind in words, its duration with unit or nothing, what it changes, and whether time and
+    displacements are zero before it."""
+
+    name: str
+    kind: str
+    duration: str
+    changes: tuple[str, ...]
+    zero: bool = False
+
+
 @dataclass(frozen=True, slots=True)
 class Track:
     """How one quantity goes: corners of a line.
@@ -165,8 +304,9 @@ class Panel:
 
 @dataclass(frozen=True, slots=True)
 class Sketch:
-    """Everything of one test: its name in words, the specimen or the ground, and the programme."""
+    """Everything of one test: its name in words, the specimen or the ground, the programme, and phases."""
 
     test: str
-    body: SpecimenSketch | Ground
+    body: SpecimenSketch | Ground | CrossSection
     programme: tuple[Panel, ...]
+    phases: tuple[Phase, ...] = ()

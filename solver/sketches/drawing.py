@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from geoswarm.solver.sketches.declared import Ground, Sketch, SpecimenSketch
+from geoswarm.solver.sketches.declared import CrossSection, Ground, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.ground import draw_ground
+from geoswarm.solver.sketches.key import draw_key, key_words
 from geoswarm.solver.sketches.panels import draw_programme
+from geoswarm.solver.sketches.phases import draw_phases, phase_text
+from geoswarm.solver.sketches.section import draw_section, enlarged, size_of
 from geoswarm.solver.sketches.shapes import Drawing
 from geoswarm.solver.sketches.specimen import draw_specimen
-from geoswarm.solver.sketches.ticks import ground_length, specimen_length
+from geoswarm.solver.sketches.ticks import ground_length, number, specimen_length
 
 __all__ = ["DrawnSketch", "Told", "drawings"]
 
@@ -44,15 +48,23 @@ class DrawnSketch:
 
 
 def drawings(sketch: Sketch) -> tuple[Told, ...]:
-    """The specimen or the ground, then the loading programme where there is one."""
+    """The specimen or the ground, then phases and the loading programme where there are such."""
     if isinstance(sketch.body, Ground):
         body = Told(sketch.test, draw_ground(sketch.body), _of_ground(sketch.body))
+    elif isinstance(sketch.body, CrossSection):
+        body = Told(sketch.test, draw_section(sketch.body), _of_section(sketch.body))
     else:
         body = Told(sketch.test, draw_specimen(sketch.body), _of_specimen(sketch.body))
-    if not sketch.programme:
-        return (body,)
-    words = " ".join(panel.words for panel in sketch.programme)
-    return (body, Told("Loading programme", draw_programme(sketch.programme), words))
+    found = [body]
+    if isinstance(sketch.body, CrossSection):
+        found.append(Told("Key", draw_key(sketch.body), key_words(sketch.body)))
+    if sketch.phases:
+        named = [phase_text(phase) for phase in sketch.phases]
+        found.append(Told("Phases", draw_phases(sketch.phases), f"Phases: {_listed(named)}."))
+    if sketch.programme:
+        words = " ".join(panel.words for panel in sketch.programme)
+        found.append(Told("Loading programme", draw_programme(sketch.programme), words))
+    return tuple(found)
 
 
 def _of_specimen(one: SpecimenSketch) -> str:
@@ -104,4 +116,20 @@ def _of_ground(ground: Ground) -> str:
         named = ", ".join(f"{name} in {ground_length(depth)}" for name, depth in ground.instruments[:_MOST_NAMED])
         left = len(ground.instruments) - _MOST_NAMED
         parts.append(f"Instruments: {named}{f' and {left} more' if left > 0 else ''}.")
+    return " ".join(parts)
+
+
+def _listed(texts: Sequence[str]) -> str:
+    """Texts after each other, the first ones of many."""
+    left = len(texts) - _MOST_NAMED
+    return "; ".join(texts[:_MOST_NAMED]) + (f"; and {left} more" if left > 0 else "")
+
+
+def _of_section(section: CrossSection) -> str:
+    wide, tall = size_of(section)
+    parts = [f"Vertical section, {number(round(wide, 3))} m wide and {number(round(tall, 3))} m high."]
+    if section.given:
+        parts.append(f"Drawn for {_listed([f'{name} = {value:g}' for name, value in section.given])}.")
+    if enlarged(section) > 1.0:
+        parts.append(f"Heights are drawn {enlarged(section):g} times larger than widths.")
     return " ".join(parts)

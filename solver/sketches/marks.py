@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -40,7 +40,7 @@ class Labels:
     def __init__(
         self, lines: Sequence[Sequence[Point]], across: tuple[float, float], down: tuple[float, float]
     ) -> None:
-        self._pieces = [piece for line in lines for piece in pairwise(line)]
+        self._pieces = [_bounded(*piece) for line in lines for piece in pairwise(line)]
         self._across, self._down = across, down
         self._taken: list[Box] = []
 
@@ -48,23 +48,54 @@ class Labels:
         """Let nothing be written there."""
         self._taken.append((left, right, top, bottom))
 
-    def place(self, sheet: Sheet, text: str, places: Iterator[Point]) -> None:
-        """Write a text at the first of the places, middles of baselines, where it is free; nowhere where none is."""
+    def place(
+        self, sheet: Sheet, text: str, places: Iterable[Point], *, of: Callable[[Point], Point] | None = None
+    ) -> Point | None:
+        """Write a text at the first of the places, middles of baselines, where it is free; nowhere where none is.
+
+        Parameters
+        ----------
+        of
+            Gives for a place what the text belongs to: a thin line leads there, and crosses no other text.
+
+        Returns
+        -------
+        Where it stands; None where it does not.
+        """
         half = 0.5 * text_width(text, SMALL)
         low, high = self._across
         for x, y in places:
             middle = min(max(x, low + half), high - half)
             box = (middle - half - _AIR, middle + half + _AIR, y - _TALL - _AIR, y + _AIR)
-            if self._down[0] <= y - _TALL and y <= self._down[1] and self._free(box):
-                self._taken.append(box)
-                sheet.text((middle, y), text, size=SMALL)
-                return
+            if not (self._down[0] <= y - _TALL and y <= self._down[1] and self._free(box)):
+                continue
+            if of is not None:
+                end = of((middle, y))
+                start = (middle, y + 2.0 if end[1] > y else y - _TALL - 1.0)
+                if any(_crossing(start, end, taken) for taken in self._taken):
+                    continue
+                sheet.line(start, end, ink="muted", width=0.7)
+                self._pieces.append(_bounded(start, end))
+            self._taken.append(box)
+            sheet.text((middle, y), text, size=SMALL)
+            return middle, y
+        return None
 
     def _free(self, box: Box) -> bool:
         left, right, top, bottom = box
         if any(left < b and right > a and top < d and bottom > c for a, b, c, d in self._taken):
             return False
-        return not any(_crossing(a, b, box) for a, b in self._pieces)
+        near = (
+            piece
+            for (a, b, c, d), piece in self._pieces
+            if a < right and b > left and c < bottom and d > top  # most pieces of large sections lie elsewhere
+        )
+        return not any(_crossing(start, end, box) for start, end in near)
+
+
+def _bounded(start: Point, end: Point) -> tuple[Box, tuple[Point, Point]]:
+    (x, y), (to_x, to_y) = start, end
+    return (min(x, to_x), max(x, to_x), min(y, to_y), max(y, to_y)), (start, end)
 
 
 def _crossing(start: Point, end: Point, box: Box) -> bool:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 __all__ = ["SIZE", "Area", "Dot", "Drawing", "Ink", "Line", "Point", "Shape", "Sheet", "Text", "text_width"]
 
-Ink: TypeAlias = Literal["ink", "muted", "grid", "soil", "steel", "stone", "water", "load", "reading"]
+Ink: TypeAlias = Literal["ink", "muted", "grid", "soil", "steel", "stone", "marl", "water", "load", "reading"]
 """What something is; the renderer chooses the colours."""
 
 Point: TypeAlias = tuple[float, float]
@@ -65,11 +65,15 @@ Shape: TypeAlias = Line | Area | Dot | Text
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Shapes on a sheet of a width and a height; what comes later lies above."""
+    """Shapes on a sheet of a width and a height; what comes later lies above.
+
+    ``worded``: what it says in words stands in it, and need not be repeated below it.
+    """
 
     width: float
     height: float
     shapes: tuple[Shape, ...]
+    worded: bool = False
 
 
 def text_width(text: str, size: float = SIZE) -> float:
@@ -138,6 +142,18 @@ class Sheet:
         else:
             self.text((middle[0], middle[1] + 14.0), text)
 
-    def done(self, height: float) -> Drawing:
+    def raise_by(self, units: float) -> None:
+        """Move everything that was put on the sheet upwards."""
+        self.shapes = [_raised(shape, units) for shape in self.shapes]
+
+    def done(self, height: float, *, worded: bool = False) -> Drawing:
         """The drawing, of a height."""
-        return Drawing(self.width, height, tuple(self.shapes))
+        return Drawing(self.width, height, tuple(self.shapes), worded)
+
+
+def _raised(shape: Shape, units: float) -> Shape:
+    if isinstance(shape, Line | Area):
+        return replace(shape, points=tuple((x, y - units) for x, y in shape.points))
+    if isinstance(shape, Dot):
+        return replace(shape, centre=(shape.centre[0], shape.centre[1] - units))
+    return replace(shape, at=(shape.at[0], shape.at[1] - units))

@@ -9,9 +9,12 @@ from geoswarm.solver.sketches.shapes import SIZE, Area, Dot, Drawing, Line, Poin
 
 __all__ = ["svg_element"]
 
+_COLUMN = 300.0
+
 
 def svg_element(drawing: Drawing, label: str) -> str:
-    """Return an ``svg`` element of class ``sketch``.
+    """Return an ``svg`` element of class ``sketch``, also ``wide`` where it is made for more than a column,
+    and ``worded`` where its words stand in it.
 
     Lines have the class ``line`` and that of their ink, areas ``area``, texts ``text``.
 
@@ -20,9 +23,10 @@ def svg_element(drawing: Drawing, label: str) -> str:
     label
         The same in words, for those who do not see it.
     """
+    looks = (" wide" if drawing.width > _COLUMN else "") + (" worded" if drawing.worded else "")
     inside = "".join(_element(shape) for shape in drawing.shapes)
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" class="sketch" role="img" font-size="{SIZE:g}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="sketch{looks}" role="img" font-size="{SIZE:g}" '
         f'aria-label={quoteattr(label)} viewBox="0 0 {drawing.width:g} {drawing.height:g}">{inside}</svg>'
     )
 

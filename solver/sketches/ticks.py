@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-__all__ = ["Scale", "ground_length", "linear_scale", "log_scale", "short", "specimen_length"]
+__all__ = ["Scale", "ground_length", "linear_scale", "log_scale", "number", "short", "specimen_length"]
 
 _MOST = 5
 
@@ -64,6 +64,15 @@ def short(value: float) -> str:
         return "0"
     text = f"{value:.4g}"
     return text.replace("e+0", "e").replace("e+", "e").replace("e-0", "e-").replace("-", "\N{MINUS SIGN}")
+
+
+def number(value: float) -> str:
+    """A number that is given, with up to 8 figures.
+
+    >>> number(10957.5)
+    '10957.5'
+    """
+    return f"{value:.8g}".replace("-", "\N{MINUS SIGN}")
 
 
 def specimen_length(metres: float) -> str:

@@ -25,8 +25,14 @@ CASES = {
     "crs_oedometer": ("h = 20 mm", "back_pressure", "200", "200 kPa"),
     "consolidation": ("h = 20 mm", "stages[1].stress", "160", "160"),
     "column": ("clay, 6 m", "layers[1].thickness", "8", "clay, 8 m"),
+    "section": ("y [m]", "layers[1].bottom", "-8", "rock, down to −8 m: rock (elastic)"),
 }
 """What is written in the sketch of the small example, a field, another value, and what is written then."""
+
+
+def drawings_of(kind: str) -> int:
+    """How many there are: of a test, itself and its programme; of a section, a key and phases."""
+    return 3 if kind == "section" else 2
 
 
 def give(page: Page, kind: str) -> None:
@@ -48,7 +54,7 @@ def test_each_test_is_drawn_and_follows_what_is_typed(embedded: Site, visit: Vis
     page, _ = visit(embedded, "/new")
     give(page, kind)
     sketch = page.locator("#yaml-panel #sketch")
-    expect(sketch.locator("svg")).to_have_count(2)
+    expect(sketch.locator("svg")).to_have_count(drawings_of(kind))
     expect(sketch.locator("svg text", has_text=re.compile(f"^{re.escape(first)}$")).first).to_be_visible()
     label = sketch.locator("svg").first.get_attribute("aria-label")
     assert label
@@ -97,7 +103,7 @@ def test_the_sketch_can_be_read_on_a_phone(embedded: Site, visit: Visit, kind: s
     page, _ = visit(embedded, "/new", viewport={"width": 390, "height": 844}, color_scheme="dark")
     give(page, kind)
     sketch = page.locator(".step #sketch")  # in the form: the YAML lies far below
-    expect(sketch.locator("svg")).to_have_count(2)
+    expect(sketch.locator("svg")).to_have_count(drawings_of(kind))
     letters = sketch.locator("svg").evaluate_all(
         """(drawings) => drawings.flatMap((one) => [...one.querySelectorAll("text")].map((text) =>
             parseFloat(getComputedStyle(text).fontSize) * one.getScreenCTM().a))"""
@@ -105,3 +111,29 @@ def test_the_sketch_can_be_read_on_a_phone(embedded: Site, visit: Visit, kind: s
     assert min(letters) >= 10.0
     check_layout(page)
     check_accessibility(page)
+
+
+def test_a_slope_stays_in_sight_beside_its_long_form(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=slope", viewport={"width": 1440, "height": 1000})
+    section = page.locator("#yaml-panel #sketch svg.wide")
+    expect(section.get_by_text("shear_zone", exact=True)).to_be_visible()
+    expect(page.locator("#sketch h3")).to_have_text(["Section", "Key", "Phases"])
+    page.evaluate("scrollTo(0, document.querySelector('.step').scrollHeight / 2)")
+    expect(section).to_be_in_viewport(ratio=1)
+    form, picture = page.locator(".step").first.bounding_box(), section.bounding_box()
+    assert form is not None
+    assert picture is not None
+    assert picture["x"] > form["x"] + form["width"]
+    check_layout(page)
+    check_accessibility(page, "#sketch")
+
+
+def test_a_slope_can_be_read_on_a_phone(embedded: Site, visit: Visit) -> None:
+    page, _ = visit(embedded, "/new?example=slope", viewport={"width": 390, "height": 844}, color_scheme="dark")
+    expect(page.locator(".step #sketch svg.wide").get_by_text("shear_zone", exact=True)).to_be_visible()
+    letters = page.locator("#sketch svg").evaluate_all(
+        """(drawings) => drawings.flatMap((one) => [...one.querySelectorAll("text")].map((text) =>
+            parseFloat(getComputedStyle(text).fontSize) * one.getScreenCTM().a))"""
+    )
+    assert min(letters) >= 10.0
+    check_accessibility(page, "#sketch")

@@ -21,7 +21,7 @@ from geoswarm.solver.fem.mesh.cross_section import Profile, SectionGeometry
 from geoswarm.solver.fem.mesh.mesh import EDGES, IndexArray, Mesh, midpoints, six_node_triangles
 from geoswarm.solver.fem.mesh.split import split_along
 
-__all__ = ["LayeredMesh"]
+__all__ = ["LayeredMesh", "lines_below"]
 
 
 @dataclass(frozen=True)
@@ -103,9 +103,29 @@ def _row_fractions(rows: int, grading: float) -> FloatArray:
 
 def _grid_coordinates(geometry: SectionGeometry, columns: ColumnPlan) -> tuple[FloatArray, FloatArray]:
     """x and y of all corners of cells, (columns, rows + 1), from the surface down."""
-    surface = columns.surface_x(geometry)
+    x_of, y_of = lines_below(geometry, columns.surface_x(geometry))
+    x, y = [x_of[:, :1]], [y_of[:, :1]]
+    for number, layer in enumerate(geometry.layers):
+        share = _row_fractions(layer.rows, layer.grading)
+        x.append(x_of[:, [number]] + share * (x_of[:, [number + 1]] - x_of[:, [number]]))
+        y.append(y_of[:, [number]] + share * (y_of[:, [number + 1]] - y_of[:, [number]]))
+    return np.concatenate(x, axis=1), np.concatenate(y, axis=1)
+
+
+def lines_below(geometry: SectionGeometry, surface: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """x and y of places at the surface, (n,), and below each of them, along the cuts, at the bottoms of all layers.
+
+    Returns
+    -------
+    Both (n, layers + 1), m, from the surface down.
+
+    Raises
+    ------
+    MeshError
+        Cuts cross one another or the ends of the section.
+    """
     boundaries = len(geometry.layers) + 1
-    anchors = [(surface[0], [surface[0]] * boundaries), (surface[-1], [surface[-1]] * boundaries)]
+    anchors = [(end, [end] * boundaries) for end in geometry.surface.x[[0, -1]].tolist()]
     for cut in geometry.cuts:
         half = 0.5 * (cut.width or 0.0)
         anchors += [
@@ -120,12 +140,7 @@ def _grid_coordinates(geometry: SectionGeometry, columns: ColumnPlan) -> tuple[F
         raise MeshError("two cuts cross one another, or one crosses an end of the section, below the surface")
     x_of = np.stack([np.interp(surface, places, depths[:, k]) for k in range(boundaries)], axis=1)
     y_of = np.stack([boundary_heights(geometry, x_of[:, k], k) for k in range(boundaries)], axis=1)
-    x, y = [x_of[:, :1]], [y_of[:, :1]]
-    for number, layer in enumerate(geometry.layers):
-        share = _row_fractions(layer.rows, layer.grading)
-        x.append(x_of[:, [number]] + share * (x_of[:, [number + 1]] - x_of[:, [number]]))
-        y.append(y_of[:, [number]] + share * (y_of[:, [number + 1]] - y_of[:, [number]]))
-    return np.concatenate(x, axis=1), np.concatenate(y, axis=1)
+    return x_of, y_of
 
 
 def _guards(

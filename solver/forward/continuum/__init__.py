@@ -10,6 +10,7 @@
 ``phases``       what happens to a body, in phases, in a problem file
 ``quantity``     numbers of a problem's section that may be given as expressions of parameters: ``30``, or ``"1.2 *
                  depth"``
+``sketch``       the sketch of a section: its geometry as given, without a mesh
 ``translation``  from a problem's materials and phases to those of the finite elements, for given parameters
 ``user_mesh``    a mesh of the user in a problem file: the name of a file beside it, or the mesh itself as tables
 ===============  =======================================================================================================

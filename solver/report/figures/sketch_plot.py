@@ -9,6 +9,7 @@ from geoswarm.solver.report.figures.style import (
     GREEN,
     GRID,
     INK,
+    MARL,
     MUTED,
     ORANGE,
     SOIL,
@@ -17,9 +18,9 @@ from geoswarm.solver.report.figures.style import (
     drawing,
     head,
 )
-from geoswarm.solver.sketches.declared import Sketch
+from geoswarm.solver.sketches.declared import CrossSection, Sketch
 from geoswarm.solver.sketches.drawing import DrawnSketch
-from geoswarm.solver.sketches.shapes import Area, Dot, Ink, Line, Shape, Text
+from geoswarm.solver.sketches.shapes import Area, Dot, Drawing, Ink, Line, Shape, Text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,6 +42,7 @@ _COLOURS: dict[Ink, str] = {
     "soil": SOIL,
     "steel": STEEL,
     "stone": STONE,
+    "marl": MARL,
     "water": BLUE,
     "load": ORANGE,
     "reading": GREEN,
@@ -48,33 +50,44 @@ _COLOURS: dict[Ink, str] = {
 
 
 def sketch_figure(title: str, sketch: DrawnSketch) -> Figure:
-    """Draw the specimen or the ground, with the loading programme next to it."""
+    """Draw the specimen, the ground or the section, with the loading programme next to it."""
     from matplotlib.figure import Figure
 
-    told = sketch.drawings
-    width = sum(one.drawing.width for one in told) + _GAP * (len(told) - 1)
-    height = max(one.drawing.height for one in told) + _HEAD
+    columns = _columns([one.drawing for one in sketch.drawings])
+    widths = [max(one.width for one in column) for column in columns]
+    width = sum(widths) + _GAP * (len(widths) - 1)
+    height = max(sum(one.height for one in column) + _GAP * (len(column) - 1) for column in columns) + _HEAD
     with drawing():
         figure = Figure(figsize=(width * _UNIT, height * _UNIT))
         left = 0.0
-        for one in told:
-            own = one.drawing
-            place = (left / width, 1.0 - (_HEAD + own.height) / height, own.width / width, own.height / height)
-            axes = figure.add_axes(place)
-            axes.set_axis_off()
-            axes.set_xlim(0.0, own.width)
-            axes.set_ylim(own.height, 0.0)
-            for order, shape in enumerate(own.shapes):
-                _put(axes, shape, 1.0 + 0.001 * order)
-            left += own.width + _GAP
+        for column, wide in zip(columns, widths, strict=True):
+            top = _HEAD
+            for own in column:
+                place = (left / width, 1.0 - (top + own.height) / height, own.width / width, own.height / height)
+                axes = figure.add_axes(place)
+                axes.set_axis_off()
+                axes.set_xlim(0.0, own.width)
+                axes.set_ylim(own.height, 0.0)
+                for order, shape in enumerate(own.shapes):
+                    _put(axes, shape, 1.0 + 0.001 * order)
+                top += own.height + _GAP
+            left += wide + _GAP
         head(figure, title)
     return figure
 
 
+def _columns(drawings: list[Drawing]) -> list[list[Drawing]]:
+    """Next to each other; of more than two, the first one with the second one below it, and the others."""
+    return [[one] for one in drawings] if len(drawings) <= 2 else [drawings[:2], drawings[2:]]
+
+
 def sketch_rows(sketch: Sketch) -> tuple[list[str], list[list[object]]]:
-    """Return header and rows of the figure's numbers: the corners of the lines of the programme."""
+    """Return header and rows of the figure's numbers: corners of regions, and those of the lines of the programme."""
     header = ["panel", "quantity", "x", "x_quantity", "x_unit", "y", "y_unit"]
     rows: list[list[object]] = []
+    if isinstance(sketch.body, CrossSection):
+        regions = [(one.name, piece) for one in sketch.body.regions for piece in one.pieces]
+        rows += [[0, name, x, "x", "m", y, "m"] for name, piece in regions for x, y in piece]
     for number, panel in enumerate(sketch.programme, start=1):
         for track in panel.tracks:
             symbol = track.symbol or panel.symbol

@@ -33,6 +33,7 @@ __all__ = [
     "GREEN",
     "GRID",
     "INK",
+    "MARL",
     "MUTED",
     "ORANGE",
     "PAPER",
@@ -59,7 +60,7 @@ __all__ = [
 ]
 
 INK, MUTED, GRID = "#1b1f24", "#6a7178", "#d5d9dd"
-PAPER, SOIL, STEEL, STONE = "#fefefe", "#ead9bd", "#c3c8cd", "#e4e2dc"
+PAPER, SOIL, STEEL, STONE, MARL = "#fefefe", "#ead9bd", "#c3c8cd", "#e4e2dc", "#cdd8b6"
 BLUE, SKY, ORANGE, GREEN = "#0072B2", "#56B4E9", "#D55E00", "#009E73"
 
 _SETTINGS: Any = {
@@ -97,6 +98,7 @@ _ROLES = (
     (GRID, "var(--grid)"),
     (PAPER, "var(--paper)"),
     (SOIL, "var(--soil)"),
+    (MARL, "var(--marl)"),
     (STEEL, "var(--steel)"),
     (STONE, "var(--stone)"),
 )

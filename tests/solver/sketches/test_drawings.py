@@ -15,6 +15,7 @@ from geoswarm.solver.sketches.drawing import Told, drawings
 from geoswarm.solver.sketches.shapes import Area, Dot, Drawing, Line, Text, text_width
 from geoswarm.solver.sketches.svg import svg_element
 from geoswarm.solver.sketches.ticks import ground_length, specimen_length
+from tests.solver.sketches.sections import CLIFF, EXCAVATION, SLOPE
 
 TESTS = (
     "oedometer",
@@ -24,6 +25,7 @@ TESTS = (
     "crs_oedometer",
     "consolidation",
     "column",
+    "section",
 )
 TRIAXIAL = {"kind": "triaxial", "material": "modified_cam_clay", "initial_stress": 20, "back_pressure": 300}
 CASES: dict[str, dict[str, Any]] = {
@@ -76,6 +78,8 @@ CASES: dict[str, dict[str, Any]] = {
         "points": {f"P{n}": {"depth": 1.2 * n} for n in range(500)},
     },
 }
+
+CASES |= {"slope": SLOPE, "excavation": EXCAVATION, "cliff": CLIFF}
 
 
 def spec_of(case: str) -> ForwardModelSpec:
@@ -158,6 +162,9 @@ def test_the_element_is_sound_and_says_the_same_in_words(case: str) -> None:
         ("consolidation", ["s", "u"], "pore pressure at mid-height"),
         ("long", ["u", "200 kPa"], "u: pore pressure at the base"),
         ("column", ["crust, 1.5 m", "clay, 6 m", "S1", "P1", "7.5"], "Water table 1.5 m below the surface"),
+        ("section", ["clay", "rock", "A", "y [m]", "x [m]"], "Drawn for depth = 3."),
+        ("slope", ["cover", "shear_zone", "bedrock", "stable", "crack", "secondary", *"ABCDEF"], "226 m high"),
+        ("excavation", ["pit_1", "pit_2", "wall", "base_slip", "33.3 kPa", "p₂", "p₃"], "40 m wide and 20 m high"),
     ],
 )
 def test_a_specimen_shows_what_its_section_says(case: str, written: list[str], said: str) -> None:
