@@ -57,7 +57,7 @@ def drawings(sketch: Sketch) -> tuple[Told, ...]:
         body = Told(sketch.test, draw_specimen(sketch.body), _of_specimen(sketch.body))
     found = [body]
     if isinstance(sketch.body, CrossSection):
-        found.append(Told("Key", draw_key(sketch.body), key_words(sketch.body)))
+        found.append(Told("Legend", draw_key(sketch.body), key_words(sketch.body)))
     if sketch.phases:
         named = [phase_text(phase) for phase in sketch.phases]
         found.append(Told("Phases", draw_phases(sketch.phases), f"Phases: {_listed(named)}."))

@@ -117,7 +117,7 @@ def test_a_slope_stays_in_sight_beside_its_long_form(embedded: Site, visit: Visi
     page, _ = visit(embedded, "/new?example=slope", viewport={"width": 1440, "height": 1000})
     section = page.locator("#yaml-panel #sketch svg.wide")
     expect(section.get_by_text("shear_zone", exact=True)).to_be_visible()
-    expect(page.locator("#sketch h3")).to_have_text(["Section", "Key", "Phases"])
+    expect(page.locator("#sketch h3")).to_have_text(["Section", "Legend", "Phases"])
     page.evaluate("scrollTo(0, document.querySelector('.step').scrollHeight / 2)")
     expect(section).to_be_in_viewport(ratio=1)
     form, picture = page.locator(".step").first.bounding_box(), section.bounding_box()

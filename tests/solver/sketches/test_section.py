@@ -93,7 +93,7 @@ def test_loads_that_follow_each_other_are_drawn_over_time() -> None:
     (panel,) = sketched(LAYERED).programme
     (track,) = panel.tracks
     assert track.points == ((0.0, 0.0), (0.0, 10.0), (30.0, 10.0), (30.0, 25.0), (90.0, 25.0))
-    assert [one.heading for one in drawings(sketched(LAYERED))] == ["Section", "Key", "Phases", "Loading programme"]
+    assert [one.heading for one in drawings(sketched(LAYERED))] == ["Section", "Legend", "Phases", "Loading programme"]
 
 
 def test_phases_say_how_long_they_take_and_what_they_change() -> None:
