@@ -84,7 +84,7 @@ class ProblemDraft(BaseModel):
     series: list[Series] | None
     open_parameters: bool = Field(description="the problem may name parameters of its own (a formula)")
     sketches: list[DraftSketch] | None = Field(
-        description="of laboratory tests, layered ground and sections, of at most 12 parts; null while there are mistakes"
+        description="of laboratory tests, layered ground and sections, at most 12 parts; null while there are mistakes"
     )
     observations: list[DraftObservation] = Field(description="empty while there are mistakes")
     estimates: list[DraftEstimate] = Field(description="of readings only without mistakes; of index properties before")
