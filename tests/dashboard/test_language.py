@@ -35,9 +35,8 @@ EXAMPLES = [
 OWN_NAMES = {
     "direct_simple_shear": {"normal", "over", "lambda", "kappa"},
     "slope": {"cover", "bedrock", "stable", "crack", "secondary", "survey", "gps"},
-    "formula": {"s_end * x / (t_half + x)"},
 }
-"""Names, and a formula, of the examples' authors."""
+"""Names of the examples' authors."""
 
 
 @pytest.fixture(scope="module")

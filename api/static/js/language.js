@@ -18,6 +18,7 @@ const CUTS = [
   [CLAUSES, " "],
 ];
 const EDGES = /^([\s,;:·()[\]“”"–—…⚠×→←▲▼+=<≤≥-]*)(.*?)([\s,;:·()[\]“”"–—…×→←▲▼.?]*)$/su;
+const MARKED = /^(.+)([:;,])$/su;
 const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt", "label", "aria-valuetext", "data-label"];
 const KEPT = "script,style,code,pre,[translate=no]";
 const SHORT = 12; // letters of a pattern that is asked only after a text has been cut into its sentences
@@ -75,6 +76,9 @@ export class Translator {
       const parts = text.split(cut);
       if (parts.length > 1) return parts.map((part) => this.whole(part)).join(joined);
     }
+    const marked = MARKED.exec(text);
+    const plain = marked && (this.exact.get(marked[1]) ?? this.matched(marked[1], SHORT, Infinity));
+    if (plain !== undefined && plain !== null) return plain + marked[2];
     const [, before, inner, after] = EDGES.exec(text);
     const edged = inner && inner !== text;
     if (edged && (!LETTERS.test(inner) || UNITS.test(inner))) return text;
