@@ -1,4 +1,5 @@
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 import { Translator } from "../../api/static/js/language.js";
@@ -41,10 +42,35 @@ test("sentences are translated one by one where the whole has no phrase; citatio
   );
 });
 
+test("what is not broken in English is not broken in the other language", () => {
+  const pages = german({ "{} % of the range": "{} % des Bereichs" });
+  assert.equal(pages.translate("95\u00a0% of the range"), "95\u00a0% des Bereichs");
+});
+
+test("a clause begins as its phrase does, a sentence with a capital", () => {
+  const pages = german({ "the model fits": "das Modell passt" });
+  assert.equal(pages.translate("the model fits; the model fits."), "das Modell passt; das Modell passt.");
+  assert.equal(pages.translate("The model fits."), "Das Modell passt.");
+});
+
+test("a phrase of several clauses is found with the dot of its sentence, and before a short pattern", () => {
+  const pages = german({
+    "{} is not the minimum yet; polish the best one first": "{} ist noch nicht das Minimum; zuerst verbessern",
+    "{} of {}": "{} von {}",
+    "{} runs of the searched range": "{} Läufe im Bereich",
+  });
+  assert.equal(
+    pages.translate("It is not the minimum yet; polish the best one first."),
+    "It ist noch nicht das Minimum; zuerst verbessern.",
+  );
+  assert.equal(pages.translate("2 runs of the searched range; 1.5"), "2 Läufe im Bereich; 1,5");
+});
+
 test("marks around a phrase stay", () => {
   const pages = german({ failed: "fehlgeschlagen", "{} failed": "{} fehlgeschlagen" });
   assert.equal(pages.translate(", 3 failed"), ", 3 fehlgeschlagen");
   assert.equal(pages.translate("⚠ failed:"), "⚠ fehlgeschlagen:");
+  assert.equal(german({ "Time [s]": "Zeit [s]" }).translate("Time [s]:"), "Zeit [s]:");
 });
 
 test("what has no phrase stays, is collected, and has the decimals of the language", () => {
@@ -58,4 +84,16 @@ test("numbers, units and dates need no phrase", () => {
   for (const text of ["0.5 kPa", "12", "m²", "2026-11-29 05:41", "λ*"]) pages.translate(text);
   assert.deepEqual([...pages.missing], []);
   assert.equal(pages.translate("0.5 kPa"), "0,5 kPa");
+});
+
+test("a verdict with its caveats is German throughout", () => {
+  const catalogue = new URL("../../api/static/languages/de.json", import.meta.url);
+  const pages = new Translator(JSON.parse(readFileSync(catalogue)));
+  assert.equal(
+    pages.translate(
+      "λ* is identified within one basin only: its 95\u00a0% interval at the optimum, widened by a factor of 1.5 for correlated noise, as stated, is 0.08 to 0.09, 0.5\u00a0% of the searched range, up to the upper bound or beyond; it holds within its basin; the runs are sparse, and another basin like it could still hide in 28\u00a0% of the searched space.",
+    ),
+    "λ* ist nur innerhalb eines Beckens identifiziert: sein 95-%-Intervall am Optimum, um den Faktor 1,5 erweitert wegen korrelierten Rauschens, wie angegeben, ist 0,08 bis 0,09, 0,5\u00a0% des durchsuchten Bereichs, bis zur oberen Schranke oder darüber hinaus; es gilt in seinem Becken; die Läufe sind dünn verteilt, und ein weiteres solches Becken könnte sich noch in 28\u00a0% des durchsuchten Raums verbergen.",
+  );
+  assert.deepEqual([...pages.missing], []);
 });

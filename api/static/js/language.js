@@ -18,9 +18,11 @@ const CUTS = [
   [CLAUSES, " "],
 ];
 const EDGES = /^([\s,;:·()[\]“”"–—…⚠×→←▲▼+=<≤≥-]*)(.*?)([\s,;:·()[\]“”"–—…×→←▲▼.?]*)$/su;
+const MARKED = /^(.+)([:;,])$/su;
 const ATTRIBUTES = ["title", "aria-label", "placeholder", "alt", "label", "aria-valuetext", "data-label"];
 const KEPT = "script,style,code,pre,[translate=no]";
 const SHORT = 12; // letters of a pattern that is asked only after a text has been cut into its sentences
+const LONG = 30; // letters of a pattern that may be a sentence of several clauses, with or without its dot
 const FEW = 8; // letters of a pattern, such as "{} of {}", that joins names, not sentences
 
 /** What translates texts by a catalogue: `translate(text)`; `missing` collects what it has no phrase for. */
@@ -59,28 +61,39 @@ export class Translator {
   whole(text, collect = true) {
     if (!LETTERS.test(text) || UNITS.test(text)) return text;
     const [, before, inner, after] = /^(\s*)(.*?)(\s*)$/su.exec(text);
-    const plain = inner.replace(/[^\S\u00a0\u202f]+/g, " ");
+    const plain = inner.replace(/[^\S\u202f]+/g, " ");
     const found = this.phrase(plain);
-    if (found !== undefined) return before + found + after;
+    if (found !== undefined) return before + (inner.includes("\u00a0") ? unbroken(found) : found) + after;
     if (collect) this.missing.add(plain); // what a pattern takes is a name or a value, in most cases
     return text;
   }
 
   /** The phrase for a text, or for its parts; undefined where no part has one. */
   phrase(text) {
-    const whole = this.own(text) ?? this.matched(text, SHORT, Infinity);
+    const whole = this.own(text) ?? this.matched(text, SHORT, Infinity) ?? this.dotted(text);
     if (whole !== undefined) return whole;
     for (const [cut, joined] of CUTS) {
       const parts = text.split(cut);
       if (parts.length > 1) return parts.map((part) => this.whole(part)).join(joined);
     }
-    const short = this.matched(text, 0, SHORT);
-    if (short !== undefined) return short;
+    const marked = MARKED.exec(text);
+    const plain = marked && (this.exact.get(marked[1]) ?? this.matched(marked[1], SHORT, Infinity));
+    if (plain !== undefined && plain !== null) return plain + marked[2];
     const [, before, inner, after] = EDGES.exec(text);
-    if (!inner || inner === text) return undefined;
-    if (!LETTERS.test(inner) || UNITS.test(inner)) return text;
-    const found = this.exact.get(inner) ?? this.matched(inner, 0, Infinity);
-    return found === undefined ? undefined : before + found + after;
+    const edged = inner && inner !== text;
+    if (edged && (!LETTERS.test(inner) || UNITS.test(inner))) return text;
+    const found = edged ? (this.exact.get(inner) ?? this.matched(inner, SHORT, Infinity)) : undefined;
+    if (found !== undefined) return before + found + after;
+    const short = this.matched(text, 0, SHORT);
+    if (short !== undefined || !edged) return short;
+    const within = this.matched(inner, 0, SHORT);
+    return within === undefined ? undefined : before + within + after;
+  }
+
+  /** By a pattern of many letters without the dot that the text ends with. */
+  dotted(text) {
+    const found = text.endsWith(".") ? this.matched(text.slice(0, -1), LONG, Infinity) : undefined;
+    return found && `${found}.`;
   }
 
   /** The phrase for a text, or for the one that the form made a sentence of: it begins with a capital and ends with a dot. */
@@ -88,7 +101,9 @@ export class Translator {
     const found = this.exact.get(text);
     if (found !== undefined || !text.endsWith(".")) return found;
     const inner = text.slice(0, -1);
-    const plain = this.exact.get(inner) ?? this.exact.get(inner[0].toLowerCase() + inner.slice(1));
+    const same = this.exact.get(inner);
+    if (same) return `${same}.`;
+    const plain = this.exact.get(inner[0].toLowerCase() + inner.slice(1));
     return plain && `${plain[0].toUpperCase()}${plain.slice(1)}.`;
   }
 
@@ -107,6 +122,9 @@ export class Translator {
     return route.make(found.slice(1).map((part) => (part ? this.whole(part, false) : "")));
   }
 }
+
+/** 95 % in one line, as in the English text. */
+const unbroken = (text) => text.replace(/(?<=\d) %/g, "\u00a0%");
 
 const fits = ({ size, longest, expression }, text, least, most) =>
   size >= least && size < most && text.includes(longest) && expression.test(text);

@@ -107,7 +107,7 @@ function table(items, revoke) {
           element(
             "tr",
             {},
-            element("th", { scope: "row" }, link.label || "–"),
+            element("th", { scope: "row", translate: "no" }, link.label || "–"),
             element("td", {}, element("span", { class: `state ${link.state}` }, link.state)),
             element("td", {}, moment(link.expires_at)),
             element("td", {}, link.used_at ? moment(link.used_at) : "never"),

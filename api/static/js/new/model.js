@@ -28,7 +28,7 @@ export function modelSection(context, place, kinds) {
     draft.write(["forward_model"], { kind: chosen, ...(registered ? { model: registered } : {}), ...before, ...left });
     if (lost.length)
       back(
-        `${words(registered ?? chosen)} instead of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and were removed.`,
+        `${words(registered ?? chosen)} instead of ${words(old.model ?? old.kind)}: ${lost.map(words).join(", ")} did not fit and ${lost.length === 1 ? "was" : "were"} removed.`,
       );
     draw();
   }

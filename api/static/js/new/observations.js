@@ -67,6 +67,11 @@ export function observationsSection(context, place) {
 
   const sectionOf = () =>
     context.root.$defs[`forward_model_${draft.read(["forward_model", "kind"])}`]?.properties ?? {};
+  /** What a series is; of a formula its author says so, or the formula itself does. */
+  const described = (about) =>
+    about && draft.read(["forward_model", "kind"]) === "formula"
+      ? element("span", { translate: "no" }, about.description)
+      : about?.description;
   const stagesItem = () => {
     const list_ = sectionOf().stages;
     return list_?.items && context.schemas.resolve(list_.items).properties;
@@ -149,7 +154,7 @@ export function observationsSection(context, place) {
           kind: "select",
           options: names,
           onchange: draw,
-          help: about?.description,
+          help: described(about),
         }),
         unit("x"),
         unit("y"),
