@@ -136,10 +136,14 @@ def test_jobs_to_choose_from_keep_their_names(embedded: Site, visit: Visit, job:
     expect(page.locator(f"#another option[value='{job}']")).to_have_text(f"small things (fertig, {job[:6]})")
 
 
-def test_verdicts_are_seen_in_a_narrow_window(embedded: Site, visit: Visit, job: str) -> None:
+@pytest.mark.parametrize("width", [1040, 390])
+def test_verdicts_are_seen_in_a_narrow_window(embedded: Site, visit: Visit, job: str, width: int) -> None:
     """The column had to be scrolled to."""
-    page, _ = visit(embedded, f"/jobs/{job}", viewport={"width": 1040, "height": 900})
-    expect(page.locator("#parameters a.verdict").first).to_be_visible(timeout=SOON)
+    page, _ = visit(embedded, f"/jobs/{job}", viewport={"width": width, "height": 900})
+    verdict = page.locator("#parameters a.verdict").first
+    expect(verdict).to_be_visible(timeout=SOON)
+    verdict.evaluate("(one) => { one.textContent = 'undecided'; }")
+    page.locator("#parameters td.n").first.evaluate("(one) => { one.textContent = '0.001636'; }")
     assert page.locator("#parameters").evaluate("(one) => one.scrollWidth - one.clientWidth") <= 1
 
 
