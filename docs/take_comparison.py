@@ -20,23 +20,13 @@ from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
+from PIL import Image
+from playwright.sync_api import Page, ViewportSize
+from take_pictures import EXAMPLE, PICTURES, service_and_browser
 
-# Imported late: the servers and the browser of the tests lie beside the package.
-from PIL import Image  # noqa: E402
-from playwright.sync_api import Page, ViewportSize  # noqa: E402
+from geoswarm.solver.problem import load_problem
 
-from geoswarm import Client  # noqa: E402
-from geoswarm.api import ApiSettings  # noqa: E402
-from geoswarm.solver.problem import load_problem  # noqa: E402
-from geoswarm.workers.hosts.engine import open_engine  # noqa: E402
-from geoswarm.workers.settings import Settings  # noqa: E402
-from tests.api.conftest import live_server  # noqa: E402
-from tests.dashboard.browser import chromium  # noqa: E402
-
-PICTURES = ROOT / "docs" / "pictures" / "comparison"
-EXAMPLE = ROOT / "examples" / "oedometer" / "problem.yaml"
+COMPARISON = PICTURES / "comparison"
 WIDTH, HEIGHT, GAP, COLOURS = 1000, 680, 12, 96
 VIEW = ViewportSize(width=1280, height=870)
 BARS = """() => Math.max(12, ...["#filter", "header.MuiAppBar-root"].flatMap((name) => {
@@ -113,8 +103,8 @@ def save(name: str, theirs: Image.Image, ours: Image.Image) -> None:
     both = Image.new("RGB", (2 * WIDTH + GAP, HEIGHT), "#888888")
     both.paste(theirs, (0, 0))
     both.paste(ours, (WIDTH + GAP, 0))
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    both.quantize(COLOURS, dither=Image.Dither.NONE).save(PICTURES / f"{name}.png", optimize=True)
+    COMPARISON.mkdir(parents=True, exist_ok=True)
+    both.quantize(COLOURS, dither=Image.Dither.NONE).save(COMPARISON / f"{name}.png", optimize=True)
 
 
 def main(python: str) -> None:
@@ -123,10 +113,7 @@ def main(python: str) -> None:
     document["method"] = {"kind": "particle_swarm", "particles": 10, "acceleration": "none"}
     with (
         tempfile.TemporaryDirectory() as folder,
-        open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=2)) as engine,
-        live_server(engine.service, ApiSettings()) as server,
-        Client(server.url) as client,
-        chromium() as browser,
+        service_and_browser() as (client, url, browser),
     ):
         job = client.wait(client.submit(document).id).id
         runs = sorted(client.iterate_evaluations(job, state="finished"), key=lambda one: (one.generation, one.particle))
@@ -137,7 +124,7 @@ def main(python: str) -> None:
         best = subprocess.run(made, input=given, text=True, check=True, stdout=subprocess.PIPE).stdout.strip()
         with optuna_dashboard(python, storage) as address:
             page = browser.new_page(viewport=VIEW)
-            study, ours = f"{address}/studies/1", f"{server.url}/jobs/{job}"
+            study, ours = f"{address}/studies/1", f"{url}/jobs/{job}"
             page.goto(address)
             save(
                 "answer",
@@ -168,7 +155,7 @@ def main(python: str) -> None:
             save(
                 "new",
                 seen(page, f"{address}/", "text=Create", act=page.get_by_role("button", name="Create").click),
-                seen(page, f"{server.url}/new?example=oedometer", "#verdict >> text=Complete", "#main h1"),
+                seen(page, f"{url}/new?example=oedometer", "#verdict >> text=Complete", "#main h1"),
             )
 
 

@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 # Imported late: the servers and the browser of the tests lie beside the package.
-from playwright.sync_api import Page  # noqa: E402
+from playwright.sync_api import Browser, Page  # noqa: E402
 
 from geoswarm import Client  # noqa: E402
 from geoswarm.api import ApiSettings  # noqa: E402
@@ -28,6 +30,19 @@ from tests.dashboard.browser import chromium  # noqa: E402
 PICTURES = ROOT / "docs" / "pictures"
 EXAMPLE = ROOT / "examples" / "oedometer" / "problem.yaml"
 WIDTH, HEIGHT = 1280, 860
+
+
+@contextmanager
+def service_and_browser() -> Iterator[tuple[Client, str, Browser]]:
+    """A client of a service of its own, the service's address, and a browser."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=2)) as engine,
+        live_server(engine.service, ApiSettings()) as server,
+        Client(server.url) as client,
+        chromium() as browser,
+    ):
+        yield client, server.url, browser
 
 
 def take(page: Page, address: str, name: str, drawn: str) -> None:
@@ -45,20 +60,14 @@ def main() -> None:
     document = load_problem(EXAMPLE).document()
     sampled = document | {"name": "oedometer-sampled", "stopping": {}}
     sampled["method"] = {"kind": "monte_carlo", "samples": 2000}
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        open_engine(Settings(database_url=f"sqlite:///{folder}/jobs.db", workers=2)) as engine,
-        live_server(engine.service, ApiSettings()) as server,
-        Client(server.url) as client,
-        chromium() as browser,
-    ):
+    with service_and_browser() as (client, url, browser):
         calibrated = client.wait(client.submit(document).id).id
         client.wait(client.sensitivity(calibrated).id)
         cloud = client.wait(client.submit(sampled).id).id
         page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        take(page, f"{server.url}/jobs/{calibrated}", "job", "#fit figure:nth-of-type(2)")
-        take(page, f"{server.url}/jobs/{cloud}/statistics", "statistics", "canvas")
-        take(page, f"{server.url}/new?from={calibrated}", "new", ".main-svg")
+        take(page, f"{url}/jobs/{calibrated}", "job", "#fit figure:nth-of-type(2)")
+        take(page, f"{url}/jobs/{cloud}/statistics", "statistics", "canvas")
+        take(page, f"{url}/new?from={calibrated}", "new", ".main-svg")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@
 ``ground``         shapes of layered ground
 ``section``        shapes of a vertical section: slopes, embankments, excavations
 ``section_names``  names in a section: in its regions and at its points, interfaces and loads, each where it finds room
-``key``            the key of a section: what its parts are, a row each
+``legend``         the legend of a section: what its parts are, a row each
 ``phases``         shapes of phases: one below the other, with their durations and what each of them changes
 ``panels``         shapes of a programme
 ``ticks``          ticks of its axes; lengths as they are usual

@@ -10,16 +10,16 @@ __all__ = [
     "Drains",
     "End",
     "Ground",
-    "Held",
+    "Support",
     "Layer",
     "Load",
     "Panel",
     "Phase",
     "Place",
-    "Pushed",
+    "BoundaryLoad",
     "Reading",
     "Region",
-    "Seam",
+    "Interface",
     "Sketch",
     "SpecimenSketch",
     "Track",
@@ -166,7 +166,7 @@ class Region:
 
 
 @dataclass(frozen=True, slots=True)
-class Seam:
+class Interface:
     """An interface along which the body may open or slide: its lines, and names of its materials."""
 
     name: str
@@ -175,7 +175,7 @@ class Seam:
 
 
 @dataclass(frozen=True, slots=True)
-class Pushed:
+class BoundaryLoad:
     """A load on a boundary.
 
     Parameters
@@ -186,8 +186,6 @@ class Pushed:
         From left to right, or downwards.
     value
         In words: ``20 kPa``.
-    phase
-        From which it acts.
     towards
         (x, y): which way it acts; None: at right angles onto the body.
     sizes
@@ -199,14 +197,13 @@ class Pushed:
     boundary: str
     line: tuple[Place, ...]
     value: str
-    phase: str
     towards: Place | None
     sizes: tuple[float, ...]
     water: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class Support:
     """A boundary, or a piece of it, that is held in the last phase."""
 
     boundary: str
@@ -231,10 +228,10 @@ class CrossSection:
     surface: tuple[Place, ...]
     bottom: tuple[Place, ...]
     regions: tuple[Region, ...]
-    seams: tuple[Seam, ...] = ()
+    interfaces: tuple[Interface, ...] = ()
     points: tuple[tuple[str, Place], ...] = ()
-    loads: tuple[Pushed, ...] = ()
-    held: tuple[Held, ...] = ()
+    loads: tuple[BoundaryLoad, ...] = ()
+    supports: tuple[Support, ...] = ()
     given: tuple[tuple[str, float], ...] = ()
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from geoswarm.solver.sketches.declared import CrossSection, Ground, Sketch, SpecimenSketch
 from geoswarm.solver.sketches.ground import draw_ground
-from geoswarm.solver.sketches.key import draw_key, key_words
+from geoswarm.solver.sketches.legend import draw_legend, legend_words
 from geoswarm.solver.sketches.panels import draw_programme
 from geoswarm.solver.sketches.phases import draw_phases, phase_text
 from geoswarm.solver.sketches.section import draw_section, enlarged, size_of
@@ -57,7 +57,7 @@ def drawings(sketch: Sketch) -> tuple[Told, ...]:
         body = Told(sketch.test, draw_specimen(sketch.body), _of_specimen(sketch.body))
     found = [body]
     if isinstance(sketch.body, CrossSection):
-        found.append(Told("Legend", draw_key(sketch.body), key_words(sketch.body)))
+        found.append(Told("Legend", draw_legend(sketch.body), legend_words(sketch.body)))
     if sketch.phases:
         named = [phase_text(phase) for phase in sketch.phases]
         found.append(Told("Phases", draw_phases(sketch.phases), f"Phases: {_listed(named)}."))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from geoswarm.solver.sketches.declared import Phase
-from geoswarm.solver.sketches.key import WIDTH, clipped, wrapped
+from geoswarm.solver.sketches.legend import WIDTH, clipped, wrapped
 from geoswarm.solver.sketches.marks import SMALL
 from geoswarm.solver.sketches.shapes import SIZE, Drawing, Sheet, text_width
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
-from geoswarm.solver.sketches.declared import CrossSection, Held, Place, Pushed
-from geoswarm.solver.sketches.key import clipped, region_ink
+from geoswarm.solver.sketches.declared import BoundaryLoad, CrossSection, Place, Support
+from geoswarm.solver.sketches.legend import clipped, region_ink
 from geoswarm.solver.sketches.marks import SMALL
 from geoswarm.solver.sketches.section_names import To, name_parts, span_at
 from geoswarm.solver.sketches.shapes import Drawing, Ink, Line, Point, Sheet, Text
@@ -41,12 +41,12 @@ def draw_section(section: CrossSection) -> Drawing:
         return middle + across * (x - 0.5 * (left + right)), _TOP + across * factor * (high - y)
 
     _regions(sheet, section, at)
-    for seam in section.seams:
-        for line in seam.lines:
+    for interface in section.interfaces:
+        for line in interface.lines:
             sheet.line(*map(at, line), width=1.5)
     sheet.line(*map(at, section.surface), width=1.6)
-    rollers = [place for held in section.held for place in _hold(sheet, held, at)]
-    arrows = [_push(sheet, load, at) for load in section.loads]
+    rollers = [place for support in section.supports for place in _support(sheet, support, at)]
+    arrows = [_load(sheet, load, at) for load in section.loads]
     levels = [one for load in section.loads if (one := _water(sheet, load, at)) is not None]
     for _, place in section.points:
         sheet.dot(at(place), 2.6, "reading")
@@ -129,11 +129,11 @@ def _even(line: Sequence[Point], apart: float, least: int = 1) -> Iterator[tuple
         yield (x + part * (to_x - x), y + part * (to_y - y)), along, index + part
 
 
-def _hold(sheet: Sheet, held: Held, at: To) -> list[Point]:
+def _support(sheet: Sheet, support: Support, at: To) -> list[Point]:
     """Rollers where one displacement is zero, hatching where both are; where rollers stand."""
-    line = [at(place) for place in held.line]
-    inwards = _inwards(held.boundary)
-    if held.how == "both":
+    line = [at(place) for place in support.line]
+    inwards = _inwards(support.boundary)
+    if support.how == "both":
         for (x, y), along, _ in _even(line, 9.0):
             across, down = inwards(along)
             sheet.line((x, y), (x - 6.0 * across - 4.0 * along[0], y - 6.0 * down - 4.0 * along[1]), ink="muted")
@@ -152,7 +152,7 @@ def _inwards(boundary: str) -> Callable[[Point], Point]:
     return lambda along: (-sign * along[1], sign * along[0])
 
 
-def _push(sheet: Sheet, load: Pushed, at: To) -> list[list[Point]]:
+def _load(sheet: Sheet, load: BoundaryLoad, at: To) -> list[list[Point]]:
     """Arrows of a load, whose lengths are its size; their lines."""
     line, inwards = [at(place) for place in load.line], _inwards(load.boundary)
     arrows: list[list[Point]] = []
@@ -196,7 +196,7 @@ def _edge(line: Sequence[Point], sizes: Sequence[float], inwards: Callable[[Poin
     return found
 
 
-def _water(sheet: Sheet, load: Pushed, at: To) -> list[Point] | None:
+def _water(sheet: Sheet, load: BoundaryLoad, at: To) -> list[Point] | None:
     """The level of free water over the part of the boundary that lies below it, with its triangle."""
     level = load.water
     if level is None:

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from geoswarm.solver.sketches.declared import CrossSection, Place, Region
-from geoswarm.solver.sketches.key import clipped, load_symbols
+from geoswarm.solver.sketches.legend import clipped, load_symbols
 from geoswarm.solver.sketches.marks import SMALL, Labels
 from geoswarm.solver.sketches.shapes import Point, Sheet, text_width
 
@@ -33,7 +33,7 @@ def name_parts(
 ) -> float:
     """Names, as far as they find room; where the lowest one ends."""
     lines = [[at(place) for place in (*piece, piece[0])] for region in section.regions for piece in region.pieces]
-    lines += [[at(place) for place in line] for seam in section.seams for line in seam.lines]
+    lines += [[at(place) for place in line] for interface in section.interfaces for line in interface.lines]
     lines += [list(arrow) for one in arrows for arrow in one]
     lowest = max(at(place)[1] for place in section.bottom)
     labels = Labels([*lines, *levels], (at(section.surface[0])[0] + 2.0, sheet.width - 2.0), (2.0, lowest + 44.0))
@@ -50,12 +50,12 @@ def name_parts(
     for name, place in section.points[:_MOST_LABELLED]:
         _flag(sheet, labels, name, at(place))
     beside = [one for one in section.regions if not _inside(sheet, labels, one, at)]
-    for seam in section.seams:
-        (x, y), (to_x, to_y) = at(seam.lines[0][0]), at(seam.lines[0][-1])
-        if not _flag(sheet, labels, seam.name, (x, y)):
-            half = 0.5 * text_width(seam.name, SMALL) + 4.0
+    for interface in section.interfaces:
+        (x, y), (to_x, to_y) = at(interface.lines[0][0]), at(interface.lines[0][-1])
+        if not _flag(sheet, labels, interface.name, (x, y)):
+            half = 0.5 * text_width(interface.name, SMALL) + 4.0
             middle = (0.5 * (x + to_x), 0.5 * (y + to_y) + 4.0)
-            labels.place(sheet, seam.name, [(middle[0] + d * half, middle[1]) for d in (-1.0, 1.0)])
+            labels.place(sheet, interface.name, [(middle[0] + d * half, middle[1]) for d in (-1.0, 1.0)])
     for region in beside[:_MOST_BESIDE]:
         lowest = max(lowest, _outside(sheet, labels, region, section, at))
     return lowest

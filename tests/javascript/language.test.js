@@ -42,6 +42,14 @@ test("sentences are translated one by one where the whole has no phrase; citatio
   );
 });
 
+test("a list of any length goes by the pattern of its items", () => {
+  const pages = german({ "{} kPa for {} day": "{} kPa für {} d", "in {} stages": "in {} Laststufen" });
+  assert.equal(
+    pages.translate("in 3 stages: 9.5 kPa for 2 day, 25 kPa for 1 day, 50 kPa for 1 day."),
+    "in 3 Laststufen: 9,5 kPa für 2 d, 25 kPa für 1 d, 50 kPa für 1 d.",
+  );
+});
+
 test("what is not broken in English is not broken in the other language", () => {
   const pages = german({ "{} % of the range": "{} % des Bereichs" });
   assert.equal(pages.translate("95\u00a0% of the range"), "95\u00a0% des Bereichs");

@@ -117,9 +117,15 @@ export class Translator {
       );
     }
     const route = this.routes.get(kind);
-    const found = route?.expression.exec(text);
-    if (!found) return undefined;
-    return route.make(found.slice(1).map((part) => (part ? this.whole(part, false) : "")));
+    if (!route?.expression.test(text)) return undefined;
+    const items = text.split(", ");
+    const list = items.every((item) => route.expression.test(item)); // each item goes by the pattern
+    return (list ? items : [text]).map((item) => this.made(route, item)).join(", ");
+  }
+
+  made({ expression, make }, text) {
+    const inserted = expression.exec(text).slice(1);
+    return make(inserted.map((part) => (part ? this.whole(part, false) : "")));
   }
 }
 

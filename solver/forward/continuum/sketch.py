@@ -19,15 +19,15 @@ from geoswarm.solver.forward.continuum.materials import InterfaceSection
 from geoswarm.solver.forward.continuum.phases import Fixity, LoadSection, PhaseSection
 from geoswarm.solver.forward.continuum.quantity import Quantity, quantities_in, value_of
 from geoswarm.solver.sketches.declared import (
+    BoundaryLoad,
     CrossSection,
-    Held,
+    Interface,
     Panel,
     Phase,
     Place,
-    Pushed,
     Region,
-    Seam,
     Sketch,
+    Support,
     Track,
 )
 from geoswarm.solver.sketches.ticks import ground_length, number
@@ -58,10 +58,10 @@ class SketchedSection(GeometrySections, BodySections):
             surface=outline.along(0),
             bottom=outline.along(len(self.layers)),
             regions=regions,
-            seams=tuple(_seams(self, outline)),
+            interfaces=tuple(_interfaces(self, outline)),
             points=points,
             loads=tuple(_loads(self, outline)),
-            held=_held(self, outline),
+            supports=_supports(self, outline),
             given=tuple((name, self.nominal[name]) for name in _named(self)),
         )
         return Sketch("Section", body, _programme(self), tuple(_phases(self)))
@@ -220,7 +220,7 @@ def _materials(section: SketchedSection, part: str) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _seams(section: SketchedSection, outline: _Outline) -> Iterator[Seam]:
+def _interfaces(section: SketchedSection, outline: _Outline) -> Iterator[Interface]:
     geometry = outline.geometry
     for cut in geometry.cuts:
         last = geometry.layer_index(cut.through) + 1
@@ -228,26 +228,19 @@ def _seams(section: SketchedSection, outline: _Outline) -> Iterator[Seam]:
         for shift in (0.0,) if cut.width is None else (-0.5 * cut.width, 0.5 * cut.width):
             top = outline.along(0, cut.x + shift, cut.x + shift)[0]
             lines.append((top, outline.along(last, cut.x_bottom + shift, cut.x_bottom + shift)[0]))
-        yield Seam(cut.name, tuple(lines), _materials(section, cut.name))
+        yield Interface(cut.name, tuple(lines), _materials(section, cut.name))
     for slip in geometry.interfaces:
         assert slip.layer is not None
         line = geometry.layer_index(slip.layer) + 1
         ends = [outline.below(x)[line][0] for x in (slip.start, slip.end)]
-        yield Seam(slip.name, (outline.along(line, ends[0], ends[1]),), _materials(section, slip.name))
+        yield Interface(slip.name, (outline.along(line, ends[0], ends[1]),), _materials(section, slip.name))
 
 
-def _acting(section: SketchedSection) -> dict[str, tuple[LoadSection, str]]:
-    """The last load of every boundary that is not zero, and its phase."""
-    found: dict[str, tuple[LoadSection, str]] = {}
-    for phase in section.phases:
-        for load in phase.loads:
-            if any((load.pressure, load.pressure_increase, load.x, load.y)):
-                found[load.boundary] = (load, phase.name)
-    return found
-
-
-def _loads(section: SketchedSection, outline: _Outline) -> Iterator[Pushed]:
-    for name, (load, phase) in _acting(section).items():
+def _loads(section: SketchedSection, outline: _Outline) -> Iterator[BoundaryLoad]:
+    """The last load of every boundary that is not zero."""
+    given_loads = [load for phase in section.phases for load in phase.loads]
+    acting = [load for load in given_loads if any((load.pressure, load.pressure_increase, load.x, load.y))]
+    for name, load in {load.boundary: load for load in acting}.items():
         line = outline.boundary(name)
         if not line:
             continue
@@ -259,12 +252,12 @@ def _loads(section: SketchedSection, outline: _Outline) -> Iterator[Pushed]:
             base = _sign(load.pressure) if base is None else base  # as if it were 1, with its sign
             grows = _sign(load.pressure_increase) if grows is None else grows
             sizes = [base + grows * ((level or 0.0) - y) for _, y in line]
-            yield Pushed(name, line, told, phase, None, _parts(sizes), water)
+            yield BoundaryLoad(name, line, told, None, _parts(sizes), water)
         for given, towards in ((load.x, (1.0, 0.0)), (load.y, (0.0, 1.0))):
             if given:
                 value = _known(given, section.nominal)
                 sign = _sign(given) if value is None else -1.0 if value < 0.0 else 1.0
-                yield Pushed(name, line, told, phase, (sign * towards[0], sign * towards[1]), tuple(1.0 for _ in line))
+                yield BoundaryLoad(name, line, told, (sign * towards[0], sign * towards[1]), tuple(1.0 for _ in line))
 
 
 def _parts(sizes: Sequence[float]) -> tuple[float, ...]:
@@ -299,9 +292,9 @@ def _told(load: LoadSection) -> str:
     return " + ".join(parts)
 
 
-def _held(section: SketchedSection, outline: _Outline) -> tuple[Held, ...]:
+def _supports(section: SketchedSection, outline: _Outline) -> tuple[Support, ...]:
     """What is held in the last phase; pieces of a side that are held alike are one."""
-    found: list[Held] = []
+    found: list[Support] = []
     state: dict[str, Fixity] = {}
     sides = [f".{layer.name}" for layer in outline.geometry.layers]
     for fixities in (section.fixities, *(phase.fixities for phase in section.phases)):
@@ -314,7 +307,7 @@ def _held(section: SketchedSection, outline: _Outline) -> tuple[Held, ...]:
             continue
         if found and found[-1].how == how and found[-1].line[-1] == line[0]:
             line = (*found.pop().line[:-1], line[-1])
-        found.append(Held(name, line, how))
+        found.append(Support(name, line, how))
     return tuple(found)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geoswarm.solver.forward.cross_section import SectionModel
 from geoswarm.solver.forward.registry import built, find_spec, parse_spec, sketches_of
 from geoswarm.solver.report.figures.sketch_plot import sketch_figure, sketch_rows
 from geoswarm.solver.sketches.declared import CrossSection, Region, Sketch
@@ -48,7 +49,9 @@ def test_corners_follow_surface_and_thickness() -> None:
 
 @pytest.mark.parametrize("section", [SLOPE, EXCAVATION, LAYERED], ids=["slope", "excavation", "embankment"])
 def test_regions_are_those_of_the_mesh(section: dict[str, Any]) -> None:
-    mesh = built(parse_spec(section)).nominal  # type: ignore[attr-defined]
+    model = built(parse_spec(section))
+    assert isinstance(model, SectionModel)
+    mesh = model.nominal
     corners = mesh.nodes[mesh.triangles[:, :3]]
     sizes = [area_of(triangle) for triangle in corners]
     drawn = {one.name: one for one in body_of(section).regions}
@@ -76,10 +79,12 @@ def test_materials_loads_and_what_holds_are_those_of_the_end() -> None:
     assert region(EXCAVATION, "pit_2").removed == "dig_2"
     assert region(LAYERED, "fill").since == "lift"
     (crest,) = body_of(LAYERED).loads
-    assert (crest.value, crest.phase, crest.sizes) == ("25 kPa", "traffic", (1.0, 1.0))
+    assert (crest.value, crest.sizes) == ("25 kPa", (1.0, 1.0))
+    (traffic,) = (phase for phase in sketched(LAYERED).phases if phase.name == "traffic")
+    assert f"load on {crest.boundary}: 25 kPa" in traffic.changes
     slope = body_of(SLOPE)
     assert {load.value for load in slope.loads} == {"20 * K_foot kPa/m below 0 m"}
-    assert [held.boundary for held in slope.held] == ["left.bedrock", "right.bedrock", "bottom"]
+    assert [support.boundary for support in slope.supports] == ["left.bedrock", "right.bedrock", "bottom"]
     assert [load.water for load in body_of(EXCAVATION).loads] == [None, 1.5, -3.0]
 
 

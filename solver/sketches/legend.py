@@ -1,4 +1,4 @@
-"""The key of a section: what its parts are, a row each, in shapes and in words."""
+"""The legend of a section: what its parts are, a row each, in shapes and in words."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from geoswarm.solver.sketches.marks import SMALL
 from geoswarm.solver.sketches.shapes import Drawing, Ink, Sheet, text_width
 from geoswarm.solver.sketches.ticks import number
 
-__all__ = ["WIDTH", "clipped", "draw_key", "key_words", "load_symbols", "region_ink", "wrapped"]
+__all__ = ["WIDTH", "clipped", "draw_legend", "legend_words", "load_symbols", "region_ink", "wrapped"]
 
 WIDTH = 270.0
-"""Of the sheet of a key."""
+"""Of the sheet of a legend."""
 _ROW, _LINE = 16.0, 13.0
 _MOST_ROWS = 16
 _INKS: tuple[Ink, ...] = ("soil", "stone", "steel")
@@ -62,7 +62,7 @@ def _region_text(region: Region) -> str:
     return f"{text}, from {region.since}" if region.since else text
 
 
-def draw_key(section: CrossSection) -> Drawing:
+def draw_legend(section: CrossSection) -> Drawing:
     """Draw what the parts of a section are, a row each."""
     sheet, y, rows = Sheet(WIDTH), 9.0, _rows(section)
     left_out = len(rows) - _MOST_ROWS
@@ -80,7 +80,7 @@ def draw_key(section: CrossSection) -> Drawing:
     return sheet.done(y - 5.0, worded=True)
 
 
-def key_words(section: CrossSection) -> str:
+def legend_words(section: CrossSection) -> str:
     """The same in words."""
     texts = [text for _, _, text in _rows(section)]
     left_out = len(texts) - _MOST_ROWS
@@ -93,7 +93,7 @@ def _rows(section: CrossSection) -> list[tuple[str, Ink, str]]:
     rows: list[tuple[str, Ink, str]] = [
         ("area", region_ink(section, one), _region_text(one)) for one in section.regions
     ]
-    rows += [("line", "ink", f"{one.name}: interface, {' → '.join(one.materials)}") for one in section.seams]
+    rows += [("line", "ink", f"{one.name}: interface, {' → '.join(one.materials)}") for one in section.interfaces]
     for value, symbol in symbols.items():
         named = ", ".join(dict.fromkeys(load.boundary for load in section.loads if load.value == value))
         rows.append(("arrow", "load", f"{value if symbol == value else f'{symbol}: {value}'} on {named}"))
