@@ -7,9 +7,11 @@ import re
 import pytest
 from playwright.sync_api import Page, Request, Route, expect
 
-from tests.api.conftest import line_problem, wait_for_end
+from geoswarm.solver.problem import parse_problem
+from tests.api.conftest import line_problem, wait_for_end, wait_until
 from tests.dashboard.browser import check_accessibility
 from tests.dashboard.conftest import Site
+from tests.dashboard.test_job import LONG, textbook
 from tests.dashboard.test_statistics import Visit, ended, job, page, slide, two_lines
 from tests.variants import variants
 
@@ -40,6 +42,34 @@ def test_only_the_newest_threshold_is_judged_and_what_is_old_is_dimmed(page: Pag
     expect(judged).not_to_have_attribute("aria-busy", "true")
     expect(page.locator("#judging")).to_be_empty()
     expect(page.locator("#threshold-why")).to_contain_text("the threshold that you chose")
+
+
+def test_new_evaluations_wait_for_the_verdicts_that_are_asked_for(embedded: Site, visit: Visit) -> None:
+    """A quick search beside a slow service would otherwise break off each question of the last one."""
+    service = embedded.service
+    view, _ = service.submit(parse_problem(textbook(name="quicker than its verdicts", **LONG)))
+    cards = re.compile("/statistics$")
+    held: list[Route] = []
+    broken_off: list[Request] = []
+    try:
+        opened, _ = visit(embedded, "/")
+        opened.clock.install()
+        opened.goto(f"/jobs/{view.id}/statistics")
+        expect(opened.locator("#verdicts .card").first).to_be_visible()
+        opened.on("requestfailed", lambda request: broken_off.append(request))
+        with opened.expect_request(cards):
+            opened.route(cards, lambda route: held.append(route))
+            opened.clock.fast_forward(60_000)
+        before = service.get(view.id).evaluations
+        wait_until(lambda: service.get(view.id).evaluations > before + 1000)
+        opened.clock.fast_forward(60_000)
+        opened.wait_for_load_state()
+        assert (len(held), broken_off) == (1, [])
+        with opened.expect_request(cards):  # asked again for what came meanwhile
+            held[0].continue_()
+            opened.clock.fast_forward(60_000)
+    finally:
+        service.cancel(view.id)
 
 
 def test_a_follow_up_tells_its_cost_and_one_of_hours_is_asked_for(embedded: Site, visit: Visit, job: str) -> None:

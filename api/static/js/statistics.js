@@ -5,6 +5,7 @@ import { count, number, objectiveUnit, typeset } from "./format.js";
 import { address, get } from "./http.js";
 import { addressValues, setAddressValues } from "./place.js";
 import { COLOURS } from "./scales.js";
+import { paced } from "./pace.js";
 import { followUps } from "./remedies.js";
 import { Cloud, natural, place as unitPlace } from "./statistics/cloud.js";
 import { FitPlot, affordable } from "./statistics/fit.js";
@@ -22,7 +23,7 @@ import { Weights } from "./statistics/weights.js";
 import { ENDED } from "./states.js";
 import { follow } from "./stream.js";
 
-const RENEW_SECONDS = 4;
+const RENEW = 4000; // ms
 const { job, name, state, fitted, method } = document.querySelector("main").dataset;
 const maySubmit = document.body.dataset.maySubmit === "true";
 const place = (id) => document.getElementById(id);
@@ -43,6 +44,7 @@ async function load() {
     return;
   }
   place("nothing").hidden = true;
+  place("nothing").className = "empty";
   place("content").hidden = false;
   const { weights, ranges, reweighted } = view.cloud ?? {};
   view.cloud = new Cloud(points);
@@ -364,23 +366,13 @@ async function begin() {
     place("nothing").hidden = false;
     place("nothing").textContent = error.message;
     place("nothing").className = "error";
+    if (error.status === 0) throw error; // asked again later
   }
 }
 
-let renewed = Date.now(),
-  waiting = null;
-function renew() {
-  waiting ??= setTimeout(
-    async () => {
-      waiting = null;
-      renewed = Date.now();
-      await begin();
-    },
-    Math.max(0, renewed + 1000 * RENEW_SECONDS - Date.now()),
-  );
-}
-
-await begin();
+/** A search may be quicker than its verdicts: what is new waits for the answer to what is asked already. */
+const renew = paced(begin, RENEW);
+renew();
 if (!ENDED.has(state)) {
   follow(job, {
     state,
