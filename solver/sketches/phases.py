@@ -14,6 +14,8 @@ __all__ = ["draw_phases", "phase_text"]
 _AXIS, _TEXT = 13.0, 30.0
 _ROW, _GAP = 14.0, 10.0
 _MOST, _MOST_CHANGES = 12, 5
+_LONGER = 1.3
+"""Room that another language takes for the same words."""
 
 
 def draw_phases(phases: Sequence[Phase]) -> Drawing:
@@ -25,7 +27,7 @@ def draw_phases(phases: Sequence[Phase]) -> Drawing:
         sheet.text((_TEXT, y + 4.0), clipped(phase.name, 20), "start")
         head = _head(phase)
         room = WIDTH - 2.0 - _TEXT - text_width(clipped(phase.name, 20)) - 8.0
-        if text_width(head, SMALL) > room:
+        if _LONGER * text_width(head, SMALL) > room:
             y += _ROW
         head = clipped(head, int((WIDTH - 2.0 - _TEXT) / text_width("x", SMALL)))
         sheet.text((WIDTH - 2.0, y + 4.0), head, "end", size=SMALL)
