@@ -75,7 +75,7 @@ class JobRecords(ABC):
         return self.store.read(lambda connection: count_by_parent(connection, job_ids, owner=owner))
 
     def problem(self, job_id: str) -> dict[str, Any]:
-        """Return the canonical problem document of a job."""
+        """Return the canonical problem document of a job, under the name that the job has now."""
         return unpack_problem(*self._stored_problem(job_id))
 
     def parsed_problem(self, job_id: str) -> Problem:
@@ -89,15 +89,15 @@ class JobRecords(ABC):
         """
         return problem_of(*self._stored_problem(job_id))
 
-    def _stored_problem(self, job_id: str) -> tuple[str, str | None]:
-        """Its document, and its stop criteria where they were changed, as they are stored."""
+    def _stored_problem(self, job_id: str) -> tuple[str, str | None, str]:
+        """Its document, its stop criteria where they were changed, and the name of the job, as they are stored."""
 
         def work(connection: Connection) -> Any:
             self._row(connection, job_id)
             return get_problem(connection, job_id)
 
         row = self.store.read(work)
-        return row.problem, row.stopping
+        return row.problem, row.stopping, row.name
 
     def attempts(self, job_id: str, generation: int, particle: int) -> list[Attempt]:
         """Return the attempts at one evaluation, the current or counted one last; empty if there is no such
