@@ -114,7 +114,7 @@ class JobChange(BaseModel):
 
 
 class EvaluationPage(Model):
-    """Evaluations ordered by generation and particle."""
+    """Evaluations in the order that was asked for."""
 
     items: list[Evaluation]
     next_cursor: str | None = Field(description="give it as cursor to get the next page; null at the end")

@@ -65,7 +65,9 @@ export function actions(view) {
         ),
       );
     }
-    list.push(element("button", { type: "button", class: "quiet", onclick: () => label(view) }, "Name, tags and note …"));
+    list.push(
+      element("button", { type: "button", class: "quiet", onclick: () => label(view) }, "Name, tags and note …"),
+    );
     list.push(...attachButton(view));
     if (place.dataset.links)
       list.push(element("button", { type: "button", class: "quiet", onclick: () => links(view) }, "Share …"));
