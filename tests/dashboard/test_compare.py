@@ -70,6 +70,15 @@ def test_values_stand_with_intervals_verdicts_and_bounds(embedded: Site, visit: 
     expect(cells.nth(1)).to_contain_text("at its upper bound")
     assert embedded.service.get(made[1]).at_bounds == {"a": "upper"}
     check_accessibility(page)
+    page.emulate_media(media="print")
+    expect(page.locator(".remove").first).to_be_hidden()
+    assert (
+        not page.get_by_text(re.compile(" ago$"))
+        .filter(visible=True)
+        .evaluate_all(  # the moment on paper
+            "ages => ages.some((age) => getComputedStyle(age).fontSize !== '0px')"
+        )
+    )
 
 
 # test_jobs.py chooses jobs in the list; the other tests here open the pages of several

@@ -103,6 +103,15 @@ def test_print_leaves_out_what_only_a_screen_can_use(embedded: Site, visit: Visi
         expect(page.locator(gone).first).to_be_hidden()
     expect(page.locator("#answer")).to_be_visible()
     expect(page.locator("#parameters")).to_be_visible()
+    for path, there in (
+        (f"/jobs/{job}/data", "#problem pre"),
+        ("/workers", ".workers td"),
+        ("/new?example=oedometer", ".step svg"),
+    ):
+        page.goto(path)
+        expect(page.locator(there).first).to_be_visible()
+        for gone in ("main button:not(.link)", "details:not([open])"):
+            expect(page.locator(gone).filter(visible=True)).to_have_count(0)
 
 
 def test_a_toolbar_does_not_lie_upon_the_legend_of_a_phone(embedded: Site, visit: Visit, job: str) -> None:

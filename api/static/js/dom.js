@@ -1,4 +1,5 @@
 // Small helpers for elements, dialogs and messages.
+import { age, moment } from "./format.js";
 import { translateBelow } from "./language.js";
 
 /**
@@ -13,6 +14,11 @@ export function element(name, properties = {}, ...children) {
 /** The same for SVG. */
 export function svg(name, properties = {}, ...children) {
   return filled(document.createElementNS("http://www.w3.org/2000/svg", name), properties, children);
+}
+
+/** How long ago something was; it grows while the page is looked at, and is the moment itself on paper. */
+export function when(timestamp) {
+  return element("time", { class: "age", datetime: timestamp, title: moment(timestamp) }, age(timestamp));
 }
 
 function filled(made, properties, children) {

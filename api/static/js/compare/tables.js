@@ -1,6 +1,6 @@
 // Tables with one column a job.
-import { element, wide } from "../dom.js";
-import { age, amount, count, duration, ends, number, plain, symbol, withUnit } from "../format.js";
+import { element, when, wide } from "../dom.js";
+import { amount, count, duration, ends, number, plain, symbol, withUnit } from "../format.js";
 
 function table(caption, loaded, rows) {
   const head = element(
@@ -67,7 +67,7 @@ export function factsTable(loaded, { objectives, reweighted }) {
     row("Forward model", (job) => plain(job.forward_model)),
     row("Method", (job) => plain(job.method)),
     row("Seed", (job) => String(job.seed)),
-    row("Submitted", (job) => age(job.created_at)),
+    row("Submitted", (job) => when(job.created_at)),
   ]);
 }
 

@@ -163,7 +163,7 @@ export class BodyCanvas {
   }
 
   draw() {
-    if (!this.view) return;
+    if (!this.view || !this.width) return; // nothing to draw, or no room yet
     const context = this.canvas.getContext("2d");
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     paint(context, this.view, (place) => this.map(place), [this.width, this.height]);

@@ -1,7 +1,7 @@
 // API keys: list, make, revoke.
-import { announce, confirmed, dialog, element, empty, exchange, failure, once, tableHead, wide } from "../dom.js";
+import { announce, confirmed, dialog, element, empty, exchange, failure, once, tableHead, when, wide } from "../dom.js";
 import { shownOnce } from "../secret.js";
-import { age, moment } from "../format.js";
+import { moment } from "../format.js";
 import { get, post } from "../http.js";
 
 const DAYS = [
@@ -62,14 +62,8 @@ export async function keysPanel(place) {
 
 function table(keys, revoke) {
   const head = ["Owner", "Role", "State", "Label", "Made", "Expires", "Last used", "Key", ""];
-  const when = (timestamp, never) =>
-    timestamp
-      ? element(
-          "time",
-          { datetime: timestamp, title: moment(timestamp) },
-          new Date(timestamp) > Date.now() ? moment(timestamp) : age(timestamp),
-        )
-      : never;
+  const ends = (timestamp) =>
+    new Date(timestamp) > Date.now() ? element("time", { datetime: timestamp }, moment(timestamp)) : when(timestamp);
   return wide(
     "Table of API keys",
     element(
@@ -87,9 +81,9 @@ function table(keys, revoke) {
             element("td", {}, key.job ? element("a", { href: `/jobs/${key.job}` }, "link to a job") : key.role),
             element("td", {}, element("span", { class: `state ${key.state}` }, key.state)),
             element("td", {}, key.label || "–"),
-            element("td", {}, when(key.created_at, "–")),
-            element("td", {}, when(key.expires_at, "never")),
-            element("td", {}, when(key.used_at, "never")),
+            element("td", {}, when(key.created_at)),
+            element("td", {}, key.expires_at ? ends(key.expires_at) : "never"),
+            element("td", {}, key.used_at ? when(key.used_at) : "never"),
             element("td", {}, element("code", {}, key.id)),
             element(
               "td",

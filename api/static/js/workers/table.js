@@ -1,6 +1,6 @@
 // Worker processes as a table; the slots of an agent stand together, below what is true of all of them.
-import { element, empty, tableHead, wide } from "../dom.js";
-import { age, count, duration, moment } from "../format.js";
+import { element, empty, tableHead, when, wide } from "../dom.js";
+import { count, duration } from "../format.js";
 
 const HEAD = ["Worker", "State", "Runs", "For", "Started", "Last seen"];
 
@@ -64,7 +64,6 @@ function row(worker, name) {
   );
 }
 
-const when = (time) => element("time", { datetime: time, title: moment(time) }, age(time));
 const line = (...parts) => element("small", {}, ...parts);
 
 /** What an agent is: its name, its machine, its version, its registered models. */
