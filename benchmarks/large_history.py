@@ -141,6 +141,7 @@ async def listings(client: httpx.AsyncClient, job_id: str, count: int) -> bool:
         "evaluations that failed": f"{base}?state=failed",
         "evaluations that finished": f"{base}?state=finished",
         "evaluations that run": f"{base}?state=running",
+        "evaluations by objective": f"{base}?sort=objective",
         "objective below nearly all": f"{base}?max_objective=1e9",
         "objective below few, late ones": f"{base}?max_objective=1e-4",
         "objective below none": f"{base}?max_objective=-1",

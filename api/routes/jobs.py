@@ -97,14 +97,15 @@ def show(job_id: JobId, service: Service) -> Job:
 
 @router.patch("/{job_id}", responses=problems_of(404, 408, 409, 413, 422))
 def change(job_id: JobId, wanted: JobChange, service: Service) -> Job:
-    """Change the stop criteria, tags or note of a job.
+    """Change the stop criteria, name, tags or note of a job.
 
-    A finished or cancelled job continues as if submitted with the stop criteria; tags and note change nothing else.
+    A finished or cancelled job continues as if submitted with the stop criteria; name, tags and note change nothing
+    else. The name is the one that the list, pages, reports and the problem of the job show from now on.
     """
     view = None if wanted.stopping is None else service.change_stopping(job_id, wanted.stopping)
-    if view is not None and wanted.tags is None and wanted.note is None:
+    if view is not None and not wanted.labels:
         return view
-    return service.label(job_id, wanted.tags, wanted.note)
+    return service.label(job_id, wanted.tags, wanted.note, wanted.name)
 
 
 @router.get("/{job_id}/problem", responses=problems_of(404))

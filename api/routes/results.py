@@ -25,6 +25,7 @@ from geoswarm.records.progress import Progress
 from geoswarm.records.states import EvaluationState
 from geoswarm.solver.system.extras import needs_extra
 from geoswarm.solver.words import csv_cell
+from geoswarm.workers.queries.listing import EvaluationSort
 
 __all__ = ["csv_header", "csv_lines", "parquet_columns", "router"]
 
@@ -109,11 +110,15 @@ def evaluations(
     max_objective: Annotated[
         float | None, Query(allow_inf_nan=False, description="only evaluations with an objective up to this")
     ] = None,
+    sort: Annotated[EvaluationSort, Query(description="what to order by")] = "generation",
     limit: Limit = 100,
     cursor: Cursor = None,
     responses: Annotated[bool, Query(description="with the calculated series (not in CSV)")] = False,
 ) -> Response | EvaluationPage:
-    """Show evaluations, ordered by generation and particle.
+    """Show evaluations, ordered by generation and particle, or by objective.
+
+    By objective the lowest comes first, ties by generation and particle; evaluations without an objective come last. A
+    cursor is valid only for the order that it was returned in.
 
     JSON comes in pages. CSV is a stream of all matches (``limit`` and ``cursor`` are for JSON), with one column for
     each free parameter and each misfit, and numbers with all their digits. Parquet has the same columns with their
@@ -130,6 +135,7 @@ def evaluations(
             limit=limit,
             cursor=cursor,
             responses=responses,
+            sort=sort,
         )
         return EvaluationPage(items=page.items, next_cursor=page.next_cursor)
     names = service.get(job_id).free_parameters
@@ -143,14 +149,16 @@ def evaluations(
                 title="Parquet not available",
             )
         views = service.iterate_evaluations(
-            job_id, generation=generation, state=state, max_objective=max_objective, responses=responses
+            job_id, generation=generation, state=state, max_objective=max_objective, responses=responses, sort=sort
         )
         return StreamingResponse(
             parquet_pieces(views, parquet_columns(names, series), series, responses=responses),
             media_type=PARQUET,
             headers={"Content-Disposition": f'attachment; filename="evaluations-{job_id}.parquet"'},
         )
-    views = service.iterate_evaluations(job_id, generation=generation, state=state, max_objective=max_objective)
+    views = service.iterate_evaluations(
+        job_id, generation=generation, state=state, max_objective=max_objective, sort=sort
+    )
     return StreamingResponse(
         itertools.chain([_lines([csv_header(names, series)])], csv_lines(views, names, series)),
         media_type="text/csv; charset=utf-8; header=present",

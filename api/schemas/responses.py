@@ -25,6 +25,7 @@ from geoswarm.records.job import Attachment, Generation, Job
 from geoswarm.records.problem import ForwardModelSummary, WarmStart
 from geoswarm.records.service import Worker
 from geoswarm.solver.problem import Stopping
+from geoswarm.solver.problem.sections import ProblemName
 
 __all__ = [
     "AttachmentList",
@@ -96,18 +97,24 @@ class JobChange(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     stopping: Stopping | None = Field(None, description="the new stop criteria, instead of all previous ones")
+    name: ProblemName | None = Field(None, description="the new name; the stored problem keeps its first one")
     tags: list[Tag] | None = Field(None, max_length=20, description="the new tags, instead of all previous ones")
     note: Note | None = Field(None, description="the new note, in Markdown, instead of the previous one")
 
     @model_validator(mode="after")
     def _something(self) -> JobChange:
-        if self.stopping is None and self.tags is None and self.note is None:
-            raise ValueError("nothing to change; give stopping, tags or note")
+        if not self.labels and self.stopping is None:
+            raise ValueError("nothing to change; give stopping, name, tags or note")
         return self
+
+    @property
+    def labels(self) -> bool:
+        """Whether name, tags or note change."""
+        return not (self.name is None and self.tags is None and self.note is None)
 
 
 class EvaluationPage(Model):
-    """Evaluations ordered by generation and particle."""
+    """Evaluations in the order that was asked for."""
 
     items: list[Evaluation]
     next_cursor: str | None = Field(description="give it as cursor to get the next page; null at the end")

@@ -68,7 +68,7 @@ COMMANDS: dict[str, CommandEntry] = {
     "cancel": CommandEntry("service.jobs", _JOBS, "Cancel a job; its finished evaluations are kept."),
     "pause": CommandEntry("service.jobs", _JOBS, "Pause a job."),
     "resume": CommandEntry("service.jobs", _JOBS, "Resume a paused job."),
-    "label": CommandEntry("service.jobs", _JOBS, "Give a job tags and a note, to find it again."),
+    "label": CommandEntry("service.jobs", _JOBS, "Give a job another name, tags and a note, to find it again."),
     "attachments": CommandEntry(
         "service.attachments", _JOBS, "Attach files to a job: a photo of the specimen, the laboratory's PDF."
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, Union
 
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from geoswarm.solver.forward.registry import AnyForwardModelSpec
@@ -96,18 +96,20 @@ class Stopping(Section):
         return all(getattr(self, name) is None for name in Stopping.model_fields)
 
 
+def _printable(value: str) -> str:
+    if not value.isprintable():
+        raise PydanticCustomError("name", "must be printable text on one line, without control characters")
+    return value
+
+
+ProblemName = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_printable)]
+"""The name of a problem, and of its job."""
+
+
 class Settings(Section):
     """Settings of a problem beyond physics and method."""
 
-    name: str = Field("calibration", min_length=1, max_length=200, description="name of the problem")
-
-    @field_validator("name")
-    @classmethod
-    def _printable(cls, value: str) -> str:
-        if not value.isprintable():
-            raise PydanticCustomError("name", "must be printable text on one line, without control characters")
-        return value
-
+    name: ProblemName = Field("calibration", description="name of the problem")
     constraints: list[str] = Field(
         default=[],
         max_length=100,

@@ -145,7 +145,7 @@ def test_the_end_of_a_job_is_changed_over_http(engine: Engine) -> None:
     path = f"{API}/jobs/{job_id}"
     assert app("PATCH", path, json={"stopping": {"max_evaluations": 12}}).status_code == 409
     assert app("PATCH", path, json={"stopping": {"max_evaluations": "many"}}).status_code == 422
-    assert app("PATCH", path, json={"name": "other"}).status_code == 422
+    assert app("PATCH", path, json={"seed": 8}).status_code == 422
     answer = app("PATCH", path, json={"stopping": {"max_evaluations": 30, "max_seconds": None}})
     assert (answer.status_code, answer.json()["max_evaluations"]) == (200, 30)
     assert wait_for_end(engine.service, job_id).evaluations == 30

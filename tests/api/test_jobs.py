@@ -221,10 +221,39 @@ def test_tags_and_note_are_replaced_and_found(app: App) -> None:
     assert (both["tags"], both["max_evaluations"]) == ([], 90)
 
 
+def test_a_job_has_its_new_name_everywhere(app: App) -> None:
+    job = submit(app)
+    path = f"{API}/jobs/{job['id']}"
+    changed = app("PATCH", path, json={"name": "Dam, core", "stopping": {"max_evaluations": 90}}).json()
+    assert (changed["name"], changed["max_evaluations"]) == ("Dam, core", 90)
+    assert app("PATCH", path, json={"note": "x"}).json()["name"] == "Dam, core"
+    assert [one["id"] for one in app.get(f"{API}/jobs?q=core").json()["items"]] == [job["id"]]
+    problem = app.get(f"{path}/problem").json()
+    assert (problem["name"], problem["stopping"]) == ("Dam, core", {"max_evaluations": 90})
+    for page in ("", "/fit", "/data", "/search", "/statistics"):
+        shown = app.get(f"/jobs/{job['id']}{page}", headers={"Accept": "text/html"}).text
+        assert "Dam, core · geoswarm</title>" in shown
+        assert ">Dam, core</span>" in shown
+
+
+def test_a_renamed_job_is_still_the_one_of_its_request(app: App) -> None:
+    key = {"Idempotency-Key": "monday"}
+    job = app.post(f"{API}/jobs", json=line_problem(), headers=key).json()
+    app("PATCH", f"{API}/jobs/{job['id']}", json={"name": "other"})
+    again = app.post(f"{API}/jobs", json=line_problem(), headers=key)
+    assert (again.status_code, again.json()["id"], again.json()["name"]) == (200, job["id"], "other")
+    assert app.post(f"{API}/jobs", json=line_problem(name="other"), headers=key).status_code == 409
+
+
 @pytest.mark.parametrize(
     ("given", "where"),
     [
         ({}, ""),
+        ({"name": ""}, "name"),
+        ({"name": "x" * 201}, "name"),
+        ({"name": "a\nb"}, "name"),
+        ({"name": "a\0b"}, "name"),
+        ({"name": 7}, "name"),
         ({"tags": ["a,b"]}, "tags.0"),
         ({"tags": ["  "]}, "tags.0"),
         ({"tags": ["x" * 41]}, "tags.0"),
@@ -241,4 +270,4 @@ def test_tags_and_notes_that_cannot_be_kept_are_refused(app: App, given: dict[st
     issue = answer.json()["issues"][0]
     assert where in str(issue["path"])
     assert "pattern" not in issue["message"]
-    assert app.get(path).json()["tags"] == []
+    assert (app.get(path).json()["name"], app.get(path).json()["tags"]) == ("line", [])

@@ -84,6 +84,31 @@ def test_evaluations_come_in_pages_in_order(done: tuple[App, str]) -> None:
     assert cursor is None
 
 
+def test_evaluations_by_objective_in_pages_and_as_a_file(done: tuple[App, str]) -> None:
+    app, path = done
+    every = app.get(f"{path}/evaluations?limit=1000").json()["items"]
+    expected = [one["objective"] for one in sorted(every, key=lambda one: one["objective"])]
+    first = app.get(f"{path}/evaluations?sort=objective&limit=25").json()
+    rest = app.get(f"{path}/evaluations", params={"sort": "objective", "cursor": first["next_cursor"]}).json()
+    assert [one["objective"] for one in first["items"] + rest["items"]] == expected
+    assert rest["next_cursor"] is None
+    rows = rows_of(app.get(f"{path}/evaluations?format=csv&sort=objective").text)
+    assert [float(row["objective"]) for row in rows] == expected
+    assert app.get(f"{path}/evaluations", params={"cursor": first["next_cursor"]}).status_code == 400
+    assert app.get(f"{path}/evaluations?sort=state").status_code == 422
+
+
+def test_reports_show_the_new_name_of_a_job(engine: Engine) -> None:
+    app = App(engine.service)
+    job = app.post(f"{API}/jobs", json=line_problem()).json()["id"]
+    wait_for_end(engine.service, job)
+    assert "<h1>line" in app.get(f"{API}/jobs/{job}/report.html").text
+    app("PATCH", f"{API}/jobs/{job}", json={"name": "Dam & core"})
+    report = app.get(f"{API}/jobs/{job}/report.html").text
+    assert "<h1>Dam &amp; core" in report
+    assert "<h1>line" not in report
+
+
 def test_evaluations_are_filtered(done: tuple[App, str]) -> None:
     app, path = done
     objective = app.get(path).json()["objective"]

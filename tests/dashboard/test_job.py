@@ -202,6 +202,16 @@ def test_evaluations_are_filtered_and_opened_by_keyboard(embedded: Site, visit: 
     expect(table).to_have_count(25)
     page.get_by_role("button", name="Next").click()
     expect(table.first).to_contain_text("4 · 1")
+    page.get_by_role("button", name="Objective").press("Enter")
+    best = embedded.service.best(view.id)
+    assert best is not None
+    expect(table.first).to_contain_text(f"{best.generation} · {best.particle}")
+    expect(page.locator("#evaluations th[aria-sort=ascending]")).to_have_text("Objective ▲")
+    expect(page.get_by_role("button", name="Objective")).to_be_focused()
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Download as CSV").click()
+    second = download.value.path().read_text().splitlines()[1]
+    assert second.startswith(f"{best.generation},{best.particle},")
     page.get_by_label("State").select_option("failed")
     expect(table).to_have_count(min(failed, 25))
     page.get_by_label("Generation", exact=True).last.fill("0")

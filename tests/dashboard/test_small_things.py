@@ -227,8 +227,13 @@ def test_the_form_shows_what_is_done_and_folds_its_yaml(embedded: Site, visit: V
 
 def test_a_job_is_found_by_its_tags_and_its_note_is_no_markup(embedded: Site, visit: Visit, job: str) -> None:
     page, guard = visit(embedded, f"/jobs/{job}")
-    page.get_by_role("button", name="Tags and note").click()
+    page.get_by_role("button", name="Name, tags and note").click()
     dialog = page.get_by_role("dialog")
+    before = dialog.get_by_label("Name", exact=True).input_value()
+    dialog.get_by_label("Name", exact=True).fill("  ")
+    dialog.get_by_role("button", name="Save").click()
+    expect(dialog.get_by_role("alert")).to_have_text("A job needs a name.")
+    dialog.get_by_label("Name", exact=True).fill(" Dam, <b>core</b> ")
     dialog.get_by_label("Tags").fill("dam, " + "x" * 50)
     dialog.get_by_label("Note").fill(
         "# Specimen B\n\nwas *disturbed* <b>here</b> [x](javascript:alert(1)) ![y](/z.png)"
@@ -240,6 +245,8 @@ def test_a_job_is_found_by_its_tags_and_its_note_is_no_markup(embedded: Site, vi
     dialog.get_by_role("button", name="Save").click()
     note = page.get_by_role("region", name="Note")
     expect(note).to_contain_text("# Specimen B")
+    expect(page.locator("h1")).to_contain_text("Dam, <b>core</b> finished")
+    expect(page).to_have_title("✓ Dam, <b>core</b> · geoswarm")
     assert note.locator("em").inner_text() == "disturbed"
     assert note.locator("b, h1, img").count() == 0
     assert note.locator("a").get_attribute("href") == "/z.png"  # no picture, and no script
@@ -250,7 +257,7 @@ def test_a_job_is_found_by_its_tags_and_its_note_is_no_markup(embedded: Site, vi
     check_accessibility(page)
     page.get_by_role("link", name="Remove the filter by tag second trial").click()
     expect(page.locator("#total")).not_to_contain_text("match")
-    embedded.service.label(job, tags=[], note="")
+    embedded.service.label(job, tags=[], note="", name=before)
 
 
 @pytest.mark.slow

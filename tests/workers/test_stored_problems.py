@@ -6,7 +6,7 @@ import pytest
 
 from geoswarm.solver.errors import ProblemError
 from geoswarm.workers.store.codec import pack_json
-from geoswarm.workers.store.problems import problem_of
+from geoswarm.workers.store.problems import problem_of, unpack_problem
 from tests.api.conftest import line_problem
 
 MODEL = """
@@ -27,6 +27,16 @@ def test_a_problem_is_parsed_once_and_anew_with_other_stop_criteria() -> None:
     changed = problem_of(text, pack_json({"max_evaluations": 7}))
     assert changed.stopping.max_evaluations == 7
     assert problem_of(text) is first
+
+
+def test_a_renamed_problem_differs_in_its_name_only() -> None:
+    text = pack_json(line_problem())
+    first = problem_of(text)
+    assert problem_of(text, name="line") is first
+    renamed = problem_of(text, name="other")
+    assert renamed.document() == first.document() | {"name": "other"}
+    assert unpack_problem(text, name="other")["name"] == "other"
+    assert renamed.model is first.model
 
 
 def test_a_problem_that_files_define_is_read_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

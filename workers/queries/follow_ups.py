@@ -27,9 +27,10 @@ Sees: TypeAlias = Callable[[str | None, str | None], bool]
 
 @dataclass(frozen=True, slots=True)
 class StoredFollowUp:
-    """A follow-up: its id, owner, kind of method, state, number of evaluations, and seed."""
+    """A follow-up: its id, name, owner, kind of method, state, number of evaluations, and seed."""
 
     id: str
+    name: str
     owner: str | None
     kind: str
     state: str
@@ -40,7 +41,7 @@ class StoredFollowUp:
     @property
     def problem(self) -> Problem:
         """Its problem."""
-        return problem_of(self.document)
+        return problem_of(self.document, name=self.name)
 
 
 def find_parent(connection: Connection, problem: Problem, sees: Sees) -> str | None:
@@ -54,14 +55,14 @@ def find_parent(connection: Connection, problem: Problem, sees: Sees) -> str | N
 
 def follow_ups_of(connection: Connection, job: Any) -> list[StoredFollowUp]:
     """Return the latest follow-ups of a job, the newest first; ``job`` is its row."""
-    columns = (jobs.c.id, jobs.c.owner, jobs.c.method, jobs.c.state, jobs.c.evaluations, jobs.c.seed, jobs.c.problem)
+    names = ("id", "name", "owner", "method", "state", "evaluations", "seed", "problem")
     rows = connection.execute(
-        select(*columns)
+        select(*(jobs.c[name] for name in names))
         .where(jobs.c.method.in_(kinds_of("follow_up")), jobs.c.parent == job.id)
         .order_by(jobs.c.created_at.desc(), jobs.c.id)
         .limit(_MOST)
     )
-    return [StoredFollowUp(r.id, r.owner, r.method, r.state, r.evaluations, r.seed, r.problem) for r in rows]
+    return [StoredFollowUp(*r) for r in rows]
 
 
 def evaluations_in_order(connection: Connection, job_id: str, first: int = 0) -> list[Evaluation]:

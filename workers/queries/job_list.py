@@ -128,10 +128,13 @@ def count_by_parent(connection: Connection, parents: Sequence[str], *, owner: st
     return {row[0]: row[1] for row in connection.execute(statement)}
 
 
-def label_job(connection: Connection, job_id: str, tags: Collection[str] | None, note: str | None) -> None:
-    """Replace the tags of a job, its note, or both; None leaves them."""
+def label_job(
+    connection: Connection, job_id: str, tags: Collection[str] | None, note: str | None, name: str | None
+) -> None:
+    """Replace the tags of a job, its note, or its name; None leaves them. Its stored problem keeps its first name."""
     values = {} if tags is None else {"tags": _as_lines(tags)}
     values |= {} if note is None else {"note": note}
+    values |= {} if name is None else {"name": name}
     if values:
         connection.execute(update(jobs).where(jobs.c.id == job_id).values(values))
 

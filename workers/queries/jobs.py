@@ -310,8 +310,8 @@ def current_generation(connection: Connection, job_id: str) -> int | None:
 
 
 def get_problem(connection: Connection, job_id: str) -> Record | None:
-    """Return ``problem``, ``seed``, and changed ``stopping`` or None, of a job, as they are stored."""
-    columns = (jobs.c.problem, jobs.c.seed, jobs.c.stopping)
+    """Return ``problem``, ``seed``, ``name``, and changed ``stopping`` or None, of a job, as they are stored."""
+    columns = (jobs.c.problem, jobs.c.seed, jobs.c.name, jobs.c.stopping)
     return connection.execute(select(*columns).where(jobs.c.id == job_id)).one_or_none()
 
 

@@ -201,7 +201,7 @@ class BodyService:
         stored = self._store.read(lambda c: jobs.get_problem(c, job_id))
         if stored is None:
             raise JobNotFoundError(job_id)
-        return problem_of(stored.problem)
+        return problem_of(stored.problem, name=stored.name)
 
 
 def _vectors(

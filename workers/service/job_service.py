@@ -307,12 +307,14 @@ class JobService(JobRecords):
             self.waker.wake(job_id, kind=view.forward_model)
         return self.get(job_id)
 
-    def label(self, job_id: str, tags: Collection[str] | None = None, note: str | None = None) -> Job:
-        """Replace the tags of a job, its note, or both; None leaves them."""
+    def label(
+        self, job_id: str, tags: Collection[str] | None = None, note: str | None = None, name: str | None = None
+    ) -> Job:
+        """Replace the tags, the note or the name of a job; None leaves them."""
 
         def work(connection: Connection) -> Job:
             self._row(connection, job_id)
-            label_job(connection, job_id, tags, note)
+            label_job(connection, job_id, tags, note, name)
             return self._get(connection, job_id)
 
         return self.store.write(work)

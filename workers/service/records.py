@@ -25,7 +25,13 @@ from geoswarm.workers.queries import jobs
 from geoswarm.workers.queries.evaluations import get_evaluation, list_attempts
 from geoswarm.workers.queries.job_list import count_by_parent
 from geoswarm.workers.queries.jobs import get_problem
-from geoswarm.workers.queries.listing import Filters, decode_cursor, encode_cursor, list_evaluations
+from geoswarm.workers.queries.listing import (
+    EvaluationSort,
+    Filters,
+    evaluations_at,
+    list_evaluations,
+    places_by_objective,
+)
 from geoswarm.workers.queries.progress import free_workers, mean_seconds, state_counts
 from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.queries.views import attempt_views, evaluation_view, event_view, generation_view
@@ -75,7 +81,7 @@ class JobRecords(ABC):
         return self.store.read(lambda connection: count_by_parent(connection, job_ids, owner=owner))
 
     def problem(self, job_id: str) -> dict[str, Any]:
-        """Return the canonical problem document of a job."""
+        """Return the canonical problem document of a job, under the name that the job has now."""
         return unpack_problem(*self._stored_problem(job_id))
 
     def parsed_problem(self, job_id: str) -> Problem:
@@ -89,15 +95,15 @@ class JobRecords(ABC):
         """
         return problem_of(*self._stored_problem(job_id))
 
-    def _stored_problem(self, job_id: str) -> tuple[str, str | None]:
-        """Its document, and its stop criteria where they were changed, as they are stored."""
+    def _stored_problem(self, job_id: str) -> tuple[str, str | None, str]:
+        """Its document, its stop criteria where they were changed, and the name of the job, as they are stored."""
 
         def work(connection: Connection) -> Any:
             self._row(connection, job_id)
             return get_problem(connection, job_id)
 
         row = self.store.read(work)
-        return row.problem, row.stopping
+        return row.problem, row.stopping, row.name
 
     def attempts(self, job_id: str, generation: int, particle: int) -> list[Attempt]:
         """Return the attempts at one evaluation, the current or counted one last; empty if there is no such
@@ -182,15 +188,16 @@ class JobRecords(ABC):
         limit: int = 100,
         cursor: str | None = None,
         responses: bool = False,
+        sort: EvaluationSort = "generation",
     ) -> Page[Evaluation]:
-        """Return evaluations ordered by (generation, particle); with long responses fewer than ``limit`` a page.
+        """Return evaluations in the order of ``sort``; with long responses fewer than ``limit`` a page.
 
         Raises
         ------
         InvalidCursorError
         """
-        after = None if cursor is None else decode_cursor(cursor, int, int)
-        filters = Filters(generation, state, max_objective)
+        filters = Filters(generation, state, max_objective, sort)
+        after = None if cursor is None else filters.after(cursor)
 
         def work(connection: Connection) -> Page[Evaluation]:
             names, grids = self._frame(connection, job_id)
@@ -198,7 +205,7 @@ class JobRecords(ABC):
             rows = list_evaluations(connection, job_id, filters, after=after, limit=most + 1, responses=responses)
             views = [evaluation_view(row, names, grids if responses else None) for row in rows[:most]]
             last = views[-1] if len(rows) > most else None
-            following = None if last is None else encode_cursor(last.generation, last.particle)
+            following = None if last is None else filters.cursor(last)
             return Page(items=views, next_cursor=following)
 
         return self.store.read(work)
@@ -211,11 +218,22 @@ class JobRecords(ABC):
         state: str | None = None,
         max_objective: float | None = None,
         responses: bool = False,
+        sort: EvaluationSort = "generation",
     ) -> Iterator[Evaluation]:
-        """Stream evaluations ordered by (generation, particle), in short transactions and flat memory."""
+        """Stream evaluations in the order of ``sort``, in short transactions and flat memory.
+
+        By objective it is the order in which they were when the stream began, and those that there were.
+        """
         names, grids = self.store.read(lambda connection: self._frame(connection, job_id))
-        filters = Filters(generation, state, max_objective)
+        filters = Filters(generation, state, max_objective, sort)
         most = rows_with_responses(STREAM_ROWS, grids) if responses else STREAM_ROWS
+
+        def by_objective() -> Iterator[Evaluation]:
+            places = self.store.read(partial(places_by_objective, job_id=job_id, filters=filters))
+            for start in range(0, len(places), most):
+                some = places[start : start + most]
+                for row in self.store.read(partial(evaluations_at, job_id=job_id, places=some, responses=responses)):
+                    yield evaluation_view(row, names, grids if responses else None)
 
         def stream() -> Iterator[Evaluation]:
             after: tuple[int, int] | None = None
@@ -236,7 +254,7 @@ class JobRecords(ABC):
                     return
                 after = (rows[-1].generation, rows[-1].particle)
 
-        return stream()
+        return by_objective() if sort == "objective" else stream()
 
     def generations(
         self,

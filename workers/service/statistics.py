@@ -297,8 +297,8 @@ class StatisticsService:
 
         row, follow_ups = self._store.read(read)
         # The last two change when failures are run again.
-        own = (job_id, row.state, row.evaluations, row.failed_evaluations, row.finished_at)
-        return *own, *((f.id, f.state, f.evaluations) for f in follow_ups)
+        own = (job_id, row.name, row.state, row.evaluations, row.failed_evaluations, row.finished_at)
+        return *own, *((f.id, f.name, f.state, f.evaluations) for f in follow_ups)
 
 
 def _hashable(noise: KnownNoise) -> Hashable:
@@ -314,7 +314,7 @@ def _read(connection: Connection, row: Any) -> StoredJob:
     stored = jobs.get_problem(connection, job_id)
     if stored is None:
         raise JobNotFoundError(job_id)
-    problem = problem_of(stored.problem, stored.stopping)
+    problem = problem_of(stored.problem, stored.stopping, stored.name)
     progress = jobs.get_progress(connection, job_id)
     answer = None if progress is None else progress.answer
     samples, failures, failed = _samples(connection, row, problem, None if answer is None else answer.generation)

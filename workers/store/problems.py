@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import threading
+from dataclasses import replace
 from typing import Any
 
 from cachetools import LRUCache
@@ -21,12 +22,14 @@ _kept: LRUCache[bytes, tuple[Problem, int]] = LRUCache(KEPT_LETTERS, getsizeof=l
 _lock = threading.Lock()
 
 
-def unpack_problem(text: str, stopping: str | None = None) -> dict[str, Any]:
+def unpack_problem(text: str, stopping: str | None = None, name: str | None = None) -> dict[str, Any]:
     """Return a stored problem document with what earlier versions did not write: their swarms were not accelerated.
 
-    ``stopping`` replaces its stop criteria, where they were changed since.
+    ``stopping`` replaces its stop criteria, where they were changed since, and ``name`` its name: that of its job.
     """
     document: dict[str, Any] = json.loads(text)
+    if name is not None:
+        document["name"] = name
     if stopping is not None:
         document["stopping"] = json.loads(stopping)
     method = document.get("method")
@@ -35,12 +38,12 @@ def unpack_problem(text: str, stopping: str | None = None) -> dict[str, Any]:
     return document
 
 
-def problem_of(text: str, stopping: str | None = None) -> Problem:
+def problem_of(text: str, stopping: str | None = None, name: str | None = None) -> Problem:
     """Return the problem of a stored document; the last ones are kept, unless packages or files define them.
 
     Parameters
     ----------
-    text, stopping
+    text, stopping, name
         As in :func:`unpack_problem`.
 
     Raises
@@ -48,6 +51,11 @@ def problem_of(text: str, stopping: str | None = None) -> Problem:
     ProblemError
         When this version cannot read it any more.
     """
+    problem = _parsed(text, stopping)
+    return problem if name is None or name == problem.name else replace(problem, name=name)
+
+
+def _parsed(text: str, stopping: str | None) -> Problem:
     key = hashlib.sha256(f"{text}\n{stopping}".encode()).digest()
     with _lock:
         if key in _kept:

@@ -264,25 +264,33 @@ resume_command = _change("resume", "Resume a paused job.")
 
 @click.command("label")
 @job_argument
+@click.option("--name", metavar="TEXT", help="Name, instead of the previous one.")
 @click.option("--tag", "tags", multiple=True, metavar="TAG", help="Tag, instead of all previous ones; may be repeated.")
 @click.option("--no-tags", is_flag=True, help="Remove all tags.")
 @click.option("--note", metavar="TEXT", help="Note in Markdown, instead of the previous one; '' removes it.")
 @json_option
 @connection_options
 def label_command(
-    job: str, tags: tuple[str, ...], no_tags: bool, note: str | None, as_json: bool, url: str, api_key: str | None
+    job: str,
+    name: str | None,
+    tags: tuple[str, ...],
+    no_tags: bool,
+    note: str | None,
+    as_json: bool,
+    url: str,
+    api_key: str | None,
 ) -> None:
-    """Give a job tags and a note, to find it again.
+    """Give a job another name, tags and a note, to find it again.
 
     'geoswarm list --tag TAG' lists the jobs with a tag, for example those of one project.
     """
     if tags and no_tags:
         raise click.UsageError("Give --tag or --no-tags, not both.")
-    if not tags and not no_tags and note is None:
-        raise click.UsageError("Nothing to change: give --tag, --no-tags or --note.")
+    if not tags and not no_tags and note is None and name is None:
+        raise click.UsageError("Nothing to change: give --name, --tag, --no-tags or --note.")
     with connect(url, api_key) as client:
         wanted = list(tags) if tags or no_tags else None
-        changed = client.label(find_job(client, job).id, tags=wanted, note=note)
+        changed = client.label(find_job(client, job).id, name=name, tags=wanted, note=note)
     if as_json:
         echo_json(record_json(changed))
     else:

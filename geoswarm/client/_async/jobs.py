@@ -194,9 +194,16 @@ async def change_stopping(self: AsyncConnection, job_id: str, stopping: Mapping[
 
 
 async def label(
-    self: AsyncConnection, job_id: str, *, tags: Collection[str] | None = None, note: str | None = None
+    self: AsyncConnection,
+    job_id: str,
+    *,
+    name: str | None = None,
+    tags: Collection[str] | None = None,
+    note: str | None = None,
 ) -> Job:
-    """Replace the tags of a job, its note (Markdown), or both. A project may be a tag, too.
+    """Replace the name of a job, its tags, its note (Markdown), or all of them. A project may be a tag, too.
+
+    The new name is shown wherever the job is; what is not given stays.
 
     Examples
     --------
@@ -206,7 +213,7 @@ async def label(
     >>> [one.id for one in (await client.list(tag="dam")).items] == [job.id]
     True
     """
-    content = json.dumps(present(tags=None if tags is None else list(tags), note=note))
+    content = json.dumps(present(name=name, tags=None if tags is None else list(tags), note=note))
     return await self._send(Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from geoswarm.client._async.connection import AsyncConnection
-from geoswarm.client.calls import Call, job_path, nothing, present, reader
+from geoswarm.client.calls import Call, EvaluationSort, job_path, nothing, present, reader
 from geoswarm.client.files import partial_file
 from geoswarm.client.models import Mesh, MeshFields
 from geoswarm.client.points import Points, read_points
@@ -81,14 +81,22 @@ async def evaluations(
     limit: int = 100,
     cursor: str | None = None,
     responses: bool = False,
+    sort: EvaluationSort | None = None,
 ) -> Page[Evaluation]:
     """Show one page of evaluations, ordered by generation and particle.
+
+    Parameters
+    ----------
+    sort
+        ``"objective"``: the lowest objective first, those without one last.
 
     Examples
     --------
     >>> page = await client.evaluations(job.id, limit=5)
     >>> len(page.items)
     5
+    >>> (await client.evaluations(job.id, sort="objective")).items[0].objective == job.objective
+    True
     """
     query = present(
         generation=generation,
@@ -97,6 +105,7 @@ async def evaluations(
         limit=limit,
         cursor=cursor,
         responses="true" if responses else "false",
+        sort=sort,
         format="json",
     )
     return await self._send(Call("GET", f"{job_path(job_id)}/evaluations", reader(Page[Evaluation]), query))
@@ -110,8 +119,9 @@ async def iterate_evaluations(
     state: str | None = None,
     max_objective: float | None = None,
     responses: bool = False,
+    sort: EvaluationSort | None = None,
 ) -> AsyncIterator[Evaluation]:
-    """Go through all evaluations that match.
+    """Go through all evaluations that match, in the order of ``sort`` as in :meth:`evaluations`.
 
     Examples
     --------
@@ -130,6 +140,7 @@ async def iterate_evaluations(
             limit=500,
             cursor=cursor,
             responses=responses,
+            sort=sort,
         )
         for item in page.items:
             yield item
@@ -147,6 +158,7 @@ async def download_evaluations(
     max_objective: float | None = None,
     form: Literal["csv", "parquet"] = "csv",
     responses: bool = False,
+    sort: EvaluationSort | None = None,
 ) -> Path:
     """Write all matching evaluations to a CSV or Parquet file; the file appears only when it is complete.
 
@@ -154,6 +166,8 @@ async def download_evaluations(
     ----------
     responses
         Include the calculated series; Parquet only.
+    sort
+        ``"objective"``: the lowest objective first, those without one last.
 
     Examples
     --------
@@ -161,7 +175,7 @@ async def download_evaluations(
     >>> path.name
     'runs.csv'
     """
-    query = present(generation=generation, state=state, max_objective=max_objective, format=form)
+    query = present(generation=generation, state=state, max_objective=max_objective, sort=sort, format=form)
     if responses:
         query["responses"] = "true"
     with partial_file(Path(path)) as file:

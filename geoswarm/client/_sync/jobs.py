@@ -192,8 +192,17 @@ def change_stopping(self: Connection, job_id: str, stopping: Mapping[str, Any]) 
     return self._send(Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content))
 
 
-def label(self: Connection, job_id: str, *, tags: Collection[str] | None = None, note: str | None = None) -> Job:
-    """Replace the tags of a job, its note (Markdown), or both. A project may be a tag, too.
+def label(
+    self: Connection,
+    job_id: str,
+    *,
+    name: str | None = None,
+    tags: Collection[str] | None = None,
+    note: str | None = None,
+) -> Job:
+    """Replace the name of a job, its tags, its note (Markdown), or all of them. A project may be a tag, too.
+
+    The new name is shown wherever the job is; what is not given stays.
 
     Examples
     --------
@@ -203,7 +212,7 @@ def label(self: Connection, job_id: str, *, tags: Collection[str] | None = None,
     >>> [one.id for one in (client.list(tag="dam")).items] == [job.id]
     True
     """
-    content = json.dumps(present(tags=None if tags is None else list(tags), note=note))
+    content = json.dumps(present(name=name, tags=None if tags is None else list(tags), note=note))
     return self._send(Call("PATCH", job_path(job_id), reader(Job), headers=JSON_BODY, content=content))
 
 

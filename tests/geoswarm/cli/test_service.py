@@ -116,6 +116,15 @@ def test_ids_may_be_abbreviated(service: Service, finished: str, capsys: pytest.
     assert "there is no job 'zzzzzz'" in call(capsys, service, "show", "zzzzzz", code=2)[1]
 
 
+def test_a_job_is_renamed_and_tagged(service: Service, finished: str, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ("--name", "Dam, core", "--tag", "dam")
+    assert "(Dam, core) has the tags dam\n" in call(capsys, service, "label", finished, *given)[0]
+    assert "Dam, core" in call(capsys, service, "list")[0]
+    assert "give --name, --tag" in call(capsys, service, "label", finished, code=2)[1]
+    assert "at least 1 character" in call(capsys, service, "label", finished, "--name", "", code=2)[1]
+    assert call_json(capsys, service, "label", finished, "--name", "decay", "--no-tags")["name"] == "decay"
+
+
 def test_a_running_job_is_paused_resumed_and_cancelled(
     service: Service, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -104,6 +104,12 @@ def test_evaluations_in_pages_one_by_one_and_as_a_file(client: Client, tmp_path:
     assert (following.items[0].generation, following.items[0].particle) == (1, 1)
     every = list(client.iterate_evaluations(job.id))
     assert [(e.generation, e.particle) for e in every] == [(g, p) for g in range(200) for p in range(6)]
+    ordered = list(client.iterate_evaluations(job.id, sort="objective"))
+    assert ordered == sorted(every, key=lambda one: (one.objective, one.generation, one.particle))
+    path = client.download_evaluations(job.id, tmp_path / "best.csv", sort="objective")
+    with path.open(newline="") as file:
+        assert [float(row["objective"]) for row in csv.DictReader(file)] == [one.objective for one in ordered]
+    path.unlink()
     path = client.download_evaluations(job.id, tmp_path / "evaluations.csv")
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))
@@ -114,6 +120,15 @@ def test_evaluations_in_pages_one_by_one_and_as_a_file(client: Client, tmp_path:
     assert stat.S_IMODE(path.stat().st_mode) == 0o666 & ~mask
     only = client.download_evaluations(job.id, tmp_path / "last.csv", generation=199)
     assert len(only.read_text().splitlines()) == 7
+
+
+def test_a_job_is_renamed(client: Client) -> None:
+    job = client.submit(line_problem())
+    renamed = client.label(job.id, name="Dam, core")
+    assert (renamed.name, renamed.tags) == ("Dam, core", [])
+    assert client.label(job.id, tags=["dam"]).name == client.problem(job.id)["name"] == "Dam, core"
+    with pytest.raises(InvalidProblemError, match="printable"):
+        client.label(job.id, name="a\nb")
 
 
 def test_a_download_that_fails_leaves_the_old_file(client: Client, tmp_path: Path) -> None:

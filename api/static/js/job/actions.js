@@ -65,7 +65,9 @@ export function actions(view) {
         ),
       );
     }
-    list.push(element("button", { type: "button", class: "quiet", onclick: () => label(view) }, "Tags and note …"));
+    list.push(
+      element("button", { type: "button", class: "quiet", onclick: () => label(view) }, "Name, tags and note …"),
+    );
     list.push(...attachButton(view));
     if (place.dataset.links)
       list.push(element("button", { type: "button", class: "quiet", onclick: () => links(view) }, "Share …"));
@@ -103,7 +105,7 @@ export function actions(view) {
 
   return {
     job(job) {
-      const now = JSON.stringify([job.state, job.retrying, Boolean(job.failed_evaluations)]);
+      const now = JSON.stringify([job.name, job.state, job.retrying, Boolean(job.failed_evaluations)]);
       if (!may || now === shown) return;
       const held = place.contains(document.activeElement);
       shown = now;

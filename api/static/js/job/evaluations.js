@@ -1,4 +1,4 @@
-// The table of evaluations: filter, leaf through, open one.
+// The table of evaluations: filter, order, leaf through, open one.
 import { element, empty, exchange, failure, tableHead, wide } from "../dom.js";
 import { duration, number, symbol, withUnit } from "../format.js";
 import { get } from "../http.js";
@@ -13,7 +13,8 @@ export function evaluations(view) {
   const place = document.getElementById("evaluations");
   const cursors = [null]; // of the pages so far
   let next = null,
-    asked = 0;
+    asked = 0,
+    sort = "generation";
 
   const control = (label, input) => element("label", {}, label, input);
   const state = element(
@@ -55,7 +56,24 @@ export function evaluations(view) {
     show();
   }
 
-  const query = () => ({ state: state.value, generation: generation.value, max_objective: most.value });
+  const filter = () => ({ state: state.value, generation: generation.value, max_objective: most.value });
+  const query = () => ({ ...filter(), sort: sort === "generation" ? "" : sort });
+
+  /** The head of a column by which the rows can be ordered. */
+  function sortHead(key, text, title, kind) {
+    const act = () => {
+      sort = key;
+      leaf(() => cursors.splice(1));
+    };
+    const here = sort === key;
+    const button = element(
+      "button",
+      { type: "button", class: "link sort", id: `sort-${key}`, title, onclick: act },
+      text,
+    );
+    const arrow = here && element("span", { "aria-hidden": "true" }, " ▲");
+    return element("th", { scope: "col", class: kind, "aria-sort": here && "ascending" }, button, arrow);
+  }
 
   async function show() {
     const turn = ++asked;
@@ -67,7 +85,7 @@ export function evaluations(view) {
         table,
         page.items.length
           ? filled(page.items)
-          : empty(Object.values(query()).some(Boolean) ? "No evaluation matches." : "No evaluation has started yet."),
+          : empty(Object.values(filter()).some(Boolean) ? "No evaluation matches." : "No evaluation has started yet."),
       );
     } catch (error) {
       if (turn === asked) exchange(table, failure(error));
@@ -82,9 +100,9 @@ export function evaluations(view) {
     const units = new Map((view.fit?.parameters ?? []).map(({ name, unit }) => [name, unit]));
     const failed = items.some(({ reason }) => reason);
     const heads = [
-      ["Generation · particle"],
+      sortHead("generation", "Generation · particle", "In the order of the search"),
       ["State"],
-      [withUnit("Objective", view.fit?.objective_unit), "n"],
+      sortHead("objective", withUnit("Objective", view.fit?.objective_unit), "Lowest objective first", "n"),
       ...names.map((name) => [withUnit(symbol(name), units.get(name)), "n"]),
       ["Time", "n"],
       ["Tries", "n"],
@@ -131,7 +149,9 @@ export function evaluations(view) {
       element(
         "table",
         { class: "evaluations" },
-        tableHead(heads.map(([head, kind]) => element("th", { scope: "col", class: kind }, head))),
+        tableHead(
+          heads.map((one) => (Array.isArray(one) ? element("th", { scope: "col", class: one[1] }, one[0]) : one)),
+        ),
         element("tbody", {}, rows),
       ),
     );

@@ -1,15 +1,16 @@
-// Tags and a note of a job: what people write about it.
+// Name, tags and a note of a job: what people write about it.
 import { announce, dialog, element } from "../dom.js";
 import { send } from "../http.js";
 import { renew } from "../renew.js";
 import { tagsIn } from "../format.js";
 
 export function label(view) {
-  const { tags, note } = view.job;
+  const { name, tags, note } = view.job;
   const error = element("p", { class: "error", role: "alert" });
   const form = element(
     "form",
     { novalidate: true },
+    element("label", {}, "Name", element("input", { name: "name", value: name, maxlength: 200, autocomplete: "off" })),
     element(
       "label",
       {},
@@ -20,17 +21,26 @@ export function label(view) {
     element(
       "p",
       { class: "help" },
-      "The list of jobs finds tags; a project can be one. Everybody who can see the job can read both.",
+      "The list of jobs finds names and tags; a project can be a tag. Everybody who can see the job can read them.",
     ),
     error,
     element("div", { class: "buttons" }, element("button", { type: "submit" }, "Save")),
   );
-  const made = dialog("Tags and note", form);
+  const made = dialog("Name, tags and note", form);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
-    const wanted = tagsIn(form.elements.tags.value);
+    const wanted = {
+      name: form.elements.name.value.trim(),
+      tags: tagsIn(form.elements.tags.value),
+      note: form.elements.note.value,
+    };
+    if (!wanted.name) {
+      error.textContent = "A job needs a name.";
+      form.elements.name.focus();
+      return;
+    }
     try {
-      await send("PATCH", `/jobs/${view.id}`, { tags: wanted, note: form.elements.note.value });
+      await send("PATCH", `/jobs/${view.id}`, wanted);
       made.close();
       announce("Saved.");
       await Promise.all([view.refresh(), renew(document.getElementById("label"))]);

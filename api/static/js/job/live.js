@@ -18,7 +18,8 @@ function compiling({ compiled = 0, missing, seconds }) {
   return `A worker compiles the numerical kernels: once after an installation.${counts}`;
 }
 
-function badge({ state, retrying }) {
+function heading({ name, state, retrying }) {
+  document.querySelector("h1 > span").textContent = name;
   const place = document.querySelector("h1 .state");
   place.className = `state ${state}`;
   place.textContent = retrying ? `${state} (failed evaluations again)` : state;
@@ -31,14 +32,14 @@ export async function live(makers) {
   const follower = view.job.last_event; // what the generations below know already is passed over by their numbers
   view.refresh = async () => {
     view.job = await get(`/jobs/${id}`);
-    badge(view.job);
+    heading(view.job);
     for (const part of parts) part.job?.(view.job);
   };
   view.changed = () => {
     for (const part of parts) part.fit?.();
   };
   const parts = makers.map((part) => part(view));
-  badge(view.job);
+  heading(view.job);
   for (const part of parts) part.job?.(view.job);
   ({ items: view.course } = await get(`/jobs/${id}/generations`, { points: POINTS, limit: POINTS }));
   for (const part of parts) part.course?.();
