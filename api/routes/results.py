@@ -115,14 +115,14 @@ def evaluations(
     cursor: Cursor = None,
     responses: Annotated[bool, Query(description="with the calculated series (not in CSV)")] = False,
 ) -> Response | EvaluationPage:
-    """Show evaluations, ordered by generation and particle, or by objective.
+    """Show evaluations, ordered by generation and particle, or in pages by objective.
 
     By objective the lowest comes first, ties by generation and particle; evaluations without an objective come last. A
     cursor is valid only for the order that it was returned in.
 
-    JSON comes in pages. CSV is a stream of all matches (``limit`` and ``cursor`` are for JSON), with one column for
-    each free parameter and each misfit, and numbers with all their digits. Parquet has the same columns with their
-    types, and the calculated series as lists.
+    JSON comes in pages. CSV is a stream of all matches (``sort``, ``limit`` and ``cursor`` are for JSON), with one
+    column for each free parameter and each misfit, and numbers with all their digits. Parquet has the same columns
+    with their types, and the calculated series as lists.
     """
     accepted = request.headers.get("accept", "")
     chosen = format or ("csv" if "text/csv" in accepted else "parquet" if PARQUET in accepted else "json")
@@ -149,16 +149,14 @@ def evaluations(
                 title="Parquet not available",
             )
         views = service.iterate_evaluations(
-            job_id, generation=generation, state=state, max_objective=max_objective, responses=responses, sort=sort
+            job_id, generation=generation, state=state, max_objective=max_objective, responses=responses
         )
         return StreamingResponse(
             parquet_pieces(views, parquet_columns(names, series), series, responses=responses),
             media_type=PARQUET,
             headers={"Content-Disposition": f'attachment; filename="evaluations-{job_id}.parquet"'},
         )
-    views = service.iterate_evaluations(
-        job_id, generation=generation, state=state, max_objective=max_objective, sort=sort
-    )
+    views = service.iterate_evaluations(job_id, generation=generation, state=state, max_objective=max_objective)
     return StreamingResponse(
         itertools.chain([_lines([csv_header(names, series)])], csv_lines(views, names, series)),
         media_type="text/csv; charset=utf-8; header=present",

@@ -66,9 +66,6 @@ def test_every_page_goes_on_where_the_last_one_ended(
 ) -> None:
     every = list(service.iterate_evaluations(job, **filters))
     assert pages(service, job, limit, **filters) == expected(every)
-    streamed = list(service.iterate_evaluations(job, **filters, sort="objective", responses=True))
-    assert list(map(place, streamed)) == expected(every)
-    assert all((one.responses is None) == (one.objective is None) for one in streamed)
 
 
 def test_a_cursor_belongs_to_its_order(service: JobService, job: str) -> None:

@@ -17,7 +17,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
-import numpy as np
 from sqlalchemy import (
     ColumnElement,
     Connection,
@@ -32,7 +31,6 @@ from sqlalchemy import (
 )
 
 from geoswarm.records.states import UNDONE_STATES
-from geoswarm.solver.arrays import IntArray
 from geoswarm.workers.errors import InvalidCursorError
 from geoswarm.workers.store.codec import pack_json
 from geoswarm.workers.store.database import Record
@@ -43,9 +41,7 @@ __all__ = [
     "Filters",
     "decode_cursor",
     "encode_cursor",
-    "evaluations_at",
     "list_evaluations",
-    "places_by_objective",
 ]
 
 EvaluationSort: TypeAlias = Literal["generation", "objective"]
@@ -54,7 +50,6 @@ LIST_COLUMNS = [column for column in evaluations.columns if column.name != "resp
 PLACE = (evaluations.c.generation, evaluations.c.particle)
 # what has no objective comes last
 BY_OBJECTIVE = (func.coalesce(evaluations.c.objective, sys.float_info.max), *PLACE)
-PLACES_A_QUERY = 500
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,23 +156,6 @@ def _by_objective(
     here = and_(PLACE[0] == chosen.c.generation, PLACE[1] == chosen.c.particle)
     statement = _select(responses).join(chosen, here).where(evaluations.c.job_id == job_id)
     return connection.execute(statement.order_by(*BY_OBJECTIVE)).all()
-
-
-def places_by_objective(connection: Connection, job_id: str, filters: Filters) -> IntArray:
-    """Return generation and particle of all evaluations that match, the lowest objective first, shape (k, 2)."""
-    statement = select(*PLACE).where(*_conditions(job_id, filters)).order_by(*BY_OBJECTIVE)
-    return np.fromiter((tuple(row) for row in connection.execute(statement)), dtype=np.dtype((np.int64, 2)))
-
-
-def evaluations_at(connection: Connection, job_id: str, places: IntArray, *, responses: bool) -> Sequence[Record]:
-    """Return the evaluations at these places, in their order."""
-    found: dict[tuple[int, int], Record] = {}
-    keys: list[tuple[int, int]] = [(generation, particle) for generation, particle in places.tolist()]
-    statement = _select(responses).where(evaluations.c.job_id == job_id)
-    for start in range(0, len(keys), PLACES_A_QUERY):
-        some = tuple_(*PLACE).in_(keys[start : start + PLACES_A_QUERY])
-        found |= {(row.generation, row.particle): row for row in connection.execute(statement.where(some))}
-    return [found[key] for key in keys if key in found]
 
 
 def _select(responses: bool) -> Select[Any]:

@@ -28,9 +28,7 @@ from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.queries.listing import (
     EvaluationSort,
     Filters,
-    evaluations_at,
     list_evaluations,
-    places_by_objective,
 )
 from geoswarm.workers.queries.progress import free_workers, mean_seconds, state_counts
 from geoswarm.workers.queries.selection import spaced
@@ -218,22 +216,11 @@ class JobRecords(ABC):
         state: str | None = None,
         max_objective: float | None = None,
         responses: bool = False,
-        sort: EvaluationSort = "generation",
     ) -> Iterator[Evaluation]:
-        """Stream evaluations in the order of ``sort``, in short transactions and flat memory.
-
-        By objective it is the order in which they were when the stream began, and those that there were.
-        """
+        """Stream evaluations ordered by (generation, particle), in short transactions and flat memory."""
         names, grids = self.store.read(lambda connection: self._frame(connection, job_id))
-        filters = Filters(generation, state, max_objective, sort)
+        filters = Filters(generation, state, max_objective)
         most = rows_with_responses(STREAM_ROWS, grids) if responses else STREAM_ROWS
-
-        def by_objective() -> Iterator[Evaluation]:
-            places = self.store.read(partial(places_by_objective, job_id=job_id, filters=filters))
-            for start in range(0, len(places), most):
-                some = places[start : start + most]
-                for row in self.store.read(partial(evaluations_at, job_id=job_id, places=some, responses=responses)):
-                    yield evaluation_view(row, names, grids if responses else None)
 
         def stream() -> Iterator[Evaluation]:
             after: tuple[int, int] | None = None
@@ -254,7 +241,7 @@ class JobRecords(ABC):
                     return
                 after = (rows[-1].generation, rows[-1].particle)
 
-        return by_objective() if sort == "objective" else stream()
+        return stream()
 
     def generations(
         self,

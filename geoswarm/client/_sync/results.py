@@ -156,7 +156,6 @@ def download_evaluations(
     max_objective: float | None = None,
     form: Literal["csv", "parquet"] = "csv",
     responses: bool = False,
-    sort: EvaluationSort | None = None,
 ) -> Path:
     """Write all matching evaluations to a CSV or Parquet file; the file appears only when it is complete.
 
@@ -164,8 +163,6 @@ def download_evaluations(
     ----------
     responses
         Include the calculated series; Parquet only.
-    sort
-        ``"objective"``: the lowest objective first, those without one last.
 
     Examples
     --------
@@ -173,7 +170,7 @@ def download_evaluations(
     >>> path.name
     'runs.csv'
     """
-    query = present(generation=generation, state=state, max_objective=max_objective, sort=sort, format=form)
+    query = present(generation=generation, state=state, max_objective=max_objective, format=form)
     if responses:
         query["responses"] = "true"
     with partial_file(Path(path)) as file:

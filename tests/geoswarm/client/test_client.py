@@ -106,10 +106,6 @@ def test_evaluations_in_pages_one_by_one_and_as_a_file(client: Client, tmp_path:
     assert [(e.generation, e.particle) for e in every] == [(g, p) for g in range(200) for p in range(6)]
     ordered = list(client.iterate_evaluations(job.id, sort="objective"))
     assert ordered == sorted(every, key=lambda one: (one.objective, one.generation, one.particle))
-    path = client.download_evaluations(job.id, tmp_path / "best.csv", sort="objective")
-    with path.open(newline="") as file:
-        assert [float(row["objective"]) for row in csv.DictReader(file)] == [one.objective for one in ordered]
-    path.unlink()
     path = client.download_evaluations(job.id, tmp_path / "evaluations.csv")
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))

@@ -92,7 +92,7 @@ export function evaluations(view) {
     }
     first.hidden = back.hidden = cursors.length === 1;
     on.hidden = next === null;
-    csv.href = `/api/v1/jobs/${view.id}/evaluations?${new URLSearchParams({ format: "csv", ...Object.fromEntries(Object.entries(query()).filter(([, value]) => value)) })}`;
+    csv.href = `/api/v1/jobs/${view.id}/evaluations?${new URLSearchParams({ format: "csv", ...Object.fromEntries(Object.entries(filter()).filter(([, value]) => value)) })}`;
   }
 
   function filled(items) {
