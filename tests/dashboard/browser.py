@@ -153,7 +153,7 @@ class KeptPages:
             with guard.watching(page.context):
                 yield page, guard
         finally:
-            if self._cleared(page, f"{origin}/health"):
+            if self._cleared(page, f"{origin}/health/live"):
                 self._pages[origin] = page
             else:
                 page.context.close()

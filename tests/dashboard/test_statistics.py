@@ -257,7 +257,7 @@ def test_a_follow_up_is_offered_the_values_of_the_job(embedded: Site, visit: Vis
 
 
 def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) -> None:
-    page, guard = visit(embedded, "/")
+    page, guard = visit(embedded, "/health/live")
     guard.allow("422")
     scripts: list[Route] = []
     page.route(re.compile("plotly"), lambda route: scripts.append(route))
