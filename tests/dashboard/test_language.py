@@ -6,9 +6,9 @@ import re
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, expect
+from playwright.sync_api import Browser, Page, expect
 
-from tests.dashboard.browser import DESK, check_accessibility, guarded_context
+from tests.dashboard.browser import check_accessibility, guarded_context
 from tests.dashboard.conftest import Opened, Site
 from tests.dashboard.test_job import textbook
 from tests.dashboard.test_new_import import drop
@@ -16,7 +16,6 @@ from tests.dashboard.test_statistics import ended
 from tests.variants import variants
 
 Visit = Callable[..., Opened]
-PHONE: ViewportSize = {"width": 390, "height": 844}
 
 UNTRANSLATED = """async () => {
     const { untranslated } = await import(document.body.dataset.static + "/js/language.js");
@@ -72,14 +71,7 @@ def opened_form(page: Page, path: str) -> None:
     page.evaluate(OPEN)
 
 
-def check_phone(page: Page, path: str) -> None:
-    """A page fits a phone, to whose size its window is made."""
-    page.set_viewport_size(PHONE)
-    assert page.evaluate("document.documentElement.scrollWidth") <= 390, path
-    assert page.locator("header.site").bounding_box()["height"] < 110, path  # type: ignore[index]
-
-
-def test_pages_are_german_throughout_with_decimal_commas_and_fit_a_phone(german: Page, job: str) -> None:
+def test_pages_are_german_throughout_with_decimal_commas(german: Page, job: str) -> None:
     for path in ("", "/fit", "/search", "/statistics", "/data"):
         opened(german, f"/jobs/{job}{path}")
         expect(german.locator("h1")).to_contain_text("Search_1")  # its name, which somebody gave it
@@ -88,17 +80,9 @@ def test_pages_are_german_throughout_with_decimal_commas_and_fit_a_phone(german:
             values = german.locator("#parameters td.n").all_text_contents()
             assert "".join(values) != ""
             assert [value for value in values if re.search(r"\d\.\d", value)] == []
-        if path in ("", "/statistics"):
-            check_phone(german, path)
-        if path == "/statistics":
-            check_accessibility(german)
-        german.set_viewport_size(DESK)
     for path in ("/?q=Search", "/workers", "/compare"):
         opened(german, path)
         assert left_in_english(german) == [], path
-        if path.startswith("/?"):
-            check_phone(german, path)
-            german.set_viewport_size(DESK)
 
 
 @pytest.mark.parametrize("example", variants(EXAMPLES, {"triaxial", "column"}))
@@ -119,8 +103,6 @@ def test_an_import_and_a_refusal_are_german(german: Page) -> None:
     expect(german.locator("#verdict.good")).to_have_count(0)
     german.wait_for_load_state("networkidle")
     assert left_in_english(german) == []
-    check_phone(german, "/new")
-    german.set_viewport_size(DESK)
 
 
 def test_dialogs_are_german(german: Page, job: str) -> None:
@@ -151,3 +133,13 @@ def test_a_page_without_its_catalogue_is_english(embedded: Site, visit: Visit) -
     page.goto("/")
     expect(page.get_by_role("heading", name="Jobs")).to_be_visible()
     expect(page.get_by_label("Language")).to_have_value("en")
+
+
+def test_german_pages_are_accessible_and_fit_a_phone(german: Page, job: str) -> None:
+    german.set_viewport_size({"width": 390, "height": 844})
+    for path in (f"/jobs/{job}", "/", "/new?example=oedometer", f"/jobs/{job}/statistics"):
+        opened(german, path)
+        assert german.evaluate("document.documentElement.scrollWidth") <= 390, path
+        assert german.locator("header.site").bounding_box()["height"] < 110, path  # type: ignore[index]
+    check_accessibility(german)
+    german.set_viewport_size({"width": 1440, "height": 900})
