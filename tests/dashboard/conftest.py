@@ -113,6 +113,7 @@ def visit(browser: Browser, kept_pages: KeptPages) -> Iterator[Callable[..., Ope
 
     The first one of a test is kept for others, unless the options say more than its size and colours. What a test adds
     to the context of such a page (a clock, scripts, listeners) would stay: ``own=True`` asks for a new profile.
+    A test that prepares the page before it opens what it looks at begins with "/health/live", which is short.
     """
     with ExitStack() as left:
         alone = True

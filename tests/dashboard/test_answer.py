@@ -59,7 +59,7 @@ def test_the_answer_in_words_agrees_with_the_statistics(embedded: Site, visit: V
 
 
 def test_a_touched_bound_is_flagged_and_digits_follow_the_interval(embedded: Site, visit: Visit, line: str) -> None:
-    page, _ = visit(embedded, "/")
+    page, _ = visit(embedded, "/health/live")
 
     def at_bound(route: Route) -> None:
         answer = route.fetch(max_retries=2)
@@ -133,7 +133,7 @@ def test_the_runs_of_a_sampling_are_not_joined(embedded: Site, visit: Visit) -> 
 def test_each_run_counts_at_once_and_the_tab_tells_how_far_it_is(embedded: Site, visit: Visit) -> None:
     view, _ = embedded.service.submit(parse_problem(textbook(name="under way", **LONG)))
     try:
-        page, _ = visit(embedded, "/")
+        page, _ = visit(embedded, "/health/live")
         found = {
             "generation": 0, "pending": 2, "running": 2, "finished": 8, "failed": 0, "objective": 0.5,
             "evaluations": 8, "search_evaluations": None, "answer_evaluations": None, "seconds": 2.0, "workers": 1,

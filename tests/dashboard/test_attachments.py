@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import struct
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -39,9 +39,17 @@ def picture(width: int = 320, height: int = 240) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
-@pytest.fixture
-def job(embedded: Site) -> str:
+@pytest.fixture(scope="module")
+def calculated(embedded: Site) -> str:
     return ended(embedded.service, textbook(name="a job with files", stopping={"max_evaluations": 60}))
+
+
+@pytest.fixture
+def job(embedded: Site, calculated: str) -> Iterator[str]:
+    """A job without files, also for the next test."""
+    yield calculated
+    for file in embedded.service.attachments.list(calculated):
+        embedded.service.attachments.delete(calculated, file.sha256)
 
 
 @pytest.fixture

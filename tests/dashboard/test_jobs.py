@@ -46,7 +46,7 @@ def test_jobs_are_searched_and_sorted_without_a_reload(embedded: Site, visit: Vi
     rows = page.locator("tr[data-job]")
     for job_id in ids:
         expect(page.locator(f"tr[data-job='{job_id}'] svg.spark")).to_be_visible()
-    page.get_by_label("Search").fill("-TEST")
+    page.get_by_role("searchbox", name="Search").fill("-TEST")
     expect(rows).to_have_count(2)
     assert "q=-TEST" in page.url
     page.get_by_label("Order").select_option("evaluations")
@@ -58,7 +58,7 @@ def test_jobs_are_searched_and_sorted_without_a_reload(embedded: Site, visit: Vi
     page.get_by_label("State").select_option("ended")
     expect(rows).to_have_count(2)
     page.reload()
-    expect(page.get_by_label("Search")).to_have_value("-TEST")
+    expect(page.get_by_role("searchbox", name="Search")).to_have_value("-TEST")
     expect(rows).to_have_count(2)
     check_accessibility(page)
 
@@ -173,7 +173,7 @@ def test_a_view_of_the_list_is_kept_and_removed(embedded: Site, visit: Visit) ->
     page, _ = visit(embedded, "/")
     views = page.get_by_role("group", name="Kept views")
     expect(views).to_be_hidden()
-    page.get_by_label("Search").fill("kept view")
+    page.get_by_role("searchbox", name="Search").fill("kept view")
     page.get_by_role("button", name="Keep this view").click()
     page.get_by_label("Name of the view").fill("dam")
     page.keyboard.press("Enter")
@@ -211,7 +211,7 @@ def test_follow_ups_stand_below_their_job_and_parameters_are_columns(
     expect(fold).to_be_focused()
     expect(below).to_be_visible()
     check_accessibility(page)
-    page.get_by_label("Search").fill("gravel-wall")
+    page.get_by_role("searchbox", name="Search").fill("gravel-wall")
     expect(below.get_by_role("link", name="follow-up", exact=True)).to_have_attribute("href", f"/jobs/{ids[0]}")
 
     page.get_by_role("button", name="Columns …").click()
@@ -224,6 +224,6 @@ def test_follow_ups_stand_below_their_job_and_parameters_are_columns(
     cell = page.locator(f"tr[data-job='{ids[0]}'] td[data-label='b']")
     assert float(cell.locator("span").first.inner_text().split()[0]) == pytest.approx(job.parameters["b"], rel=1e-3)
     expect(page.get_by_role("columnheader", name="b", exact=True)).to_be_visible()
-    page.get_by_label("Search").fill("")
+    page.get_by_role("searchbox", name="Search").fill("")
     expect(page.locator(f"tr[data-job='{ids[1]}'] td[data-label='b']")).to_be_visible()
     assert "columns=b" in page.url

@@ -179,8 +179,16 @@ def test_a_sheet_of_a_workbook_is_mapped(embedded: Site, visit: Visit) -> None:
     assert "without a number in every column was left out" in area.input_value()
 
 
-def test_form_and_yaml_follow_each_other(embedded: Site, visit: Visit) -> None:
+def test_form_and_yaml_follow_each_other_and_the_download_is_a_problem_file(
+    embedded: Site, visit: Visit, tmp_path: Path
+) -> None:
     page, _ = visit(embedded, "/new?example=formula")
+    expect(page.locator("#verdict")).to_contain_text("Complete")
+    with page.expect_download() as started:
+        page.get_by_role("button", name="Download", exact=True).click()
+    started.value.save_as(tmp_path / "problem.yaml")
+    with example_file("formula") as path:
+        assert load_problem(tmp_path / "problem.yaml") == load_problem(path)
     area = page.get_by_label("The problem as YAML")
     lower = page.locator('[data-path="parameters.s_end.lower"]')
     expect(lower).to_have_value("0.05")
@@ -195,16 +203,6 @@ def test_form_and_yaml_follow_each_other(embedded: Site, visit: Visit) -> None:
     with page.expect_download() as started:
         page.get_by_role("button", name="Download", exact=True).click()
     assert started.value.suggested_filename == "hyperbolic-settlement.yaml"
-
-
-def test_the_download_is_a_problem_file(embedded: Site, visit: Visit, tmp_path: Path) -> None:
-    page, _ = visit(embedded, "/new?example=formula")
-    expect(page.locator("#verdict")).to_contain_text("Complete")
-    with page.expect_download() as started:
-        page.get_by_role("button", name="Download", exact=True).click()
-    started.value.save_as(tmp_path / "problem.yaml")
-    with example_file("formula") as path:
-        assert load_problem(tmp_path / "problem.yaml") == load_problem(path)
 
 
 def test_mistakes_appear_where_they_are_while_one_types(embedded: Site, visit: Visit) -> None:

@@ -66,7 +66,9 @@ def test_each_test_is_drawn_and_follows_what_is_typed(embedded: Site, visit: Vis
     check_layout(page)
 
 
-def test_the_last_good_sketch_stays_dimmed_while_something_is_wrong(embedded: Site, visit: Visit) -> None:
+def test_the_last_good_sketch_stays_dimmed_while_something_is_wrong_and_goes_with_its_kind(
+    embedded: Site, visit: Visit
+) -> None:
     page, _ = visit(embedded, "/new")
     give(page, "consolidation")
     drawings = page.locator("#sketch .sketches")
@@ -78,13 +80,7 @@ def test_the_last_good_sketch_stays_dimmed_while_something_is_wrong(embedded: Si
     expect(drawings).not_to_have_class(re.compile(r"\bold\b"))
     expect(drawings.get_by_text("h = 30 mm", exact=True)).to_be_visible()
     assert drawings.get_by_text("h = 20 mm", exact=True).count() == 0
-
-
-def test_another_kind_has_another_sketch_or_none(embedded: Site, visit: Visit) -> None:
-    page, _ = visit(embedded, "/new")
     expect(page.locator(".choice strong").get_by_text("CRS oedometer", exact=True)).to_be_visible()
-    give(page, "consolidation")
-    expect(page.locator("#sketch svg")).to_have_count(2)
     page.locator("input[name=kind][value=formula]").check()
     expect(page.locator("#sketch")).to_be_hidden()
     assert page.locator("#sketch svg").count() == 0

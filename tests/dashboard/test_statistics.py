@@ -79,7 +79,7 @@ def slide(page: Page, value: int) -> None:
     page.locator("#threshold").evaluate(MOVE, value)
 
 
-def test_points_are_those_of_the_service(embedded: Site, page: Page, job: str) -> None:
+def test_points_are_those_of_the_service_and_sentences_name_buttons(embedded: Site, page: Page, job: str) -> None:
     base = page.locator("body").get_attribute("data-static")
     count, b, objectives, misfits = page.evaluate(READ_POINTS, base)
     stored = embedded.service.evaluations(job, limit=1000).items
@@ -87,15 +87,24 @@ def test_points_are_those_of_the_service(embedded: Site, page: Page, job: str) -
     assert b == pytest.approx([item.parameters["b"] for item in stored], rel=1e-6)
     assert objectives == pytest.approx([item.objective for item in stored], rel=1e-6)
     assert misfits == pytest.approx([item.misfits["z"] for item in stored], rel=1e-6)
-
-
-def test_sentences_name_buttons_of_the_page_and_no_commands(page: Page) -> None:
+    # the page as it opens: sentences name buttons, no commands; everybody can use it
     expect(page.locator("#warnings")).to_contain_text("“Sensitivities at the optimum” refines the optimum")
     expect(page.get_by_role("button", name=re.compile("^Sensitivities at the optimum"))).to_be_visible()
     expect(page.locator("main")).not_to_contain_text("'geoswarm ")
+    check_accessibility(page)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
-def test_the_slider_counts_as_the_service_does_and_verdicts_follow(embedded: Site, page: Page, job: str) -> None:
+def test_the_slider_keeps_its_width_counts_as_the_service_does_and_verdicts_follow(
+    embedded: Site, page: Page, job: str
+) -> None:
+    widths = []
+    for value in (100, 500, 1000):  # what stands beside the slider grows with the number of good fits
+        slide(page, value)
+        box = page.locator("#threshold").bounding_box()
+        assert box is not None
+        widths.append(box["width"])
+    assert widths == pytest.approx([widths[0]] * 3, abs=0.5)
     slide(page, 700)
     exact = float(page.get_by_label("Threshold as a number").input_value())
     with page.expect_response(re.compile("/statistics")):
@@ -111,17 +120,6 @@ def test_the_slider_counts_as_the_service_does_and_verdicts_follow(embedded: Sit
     expect(page.locator("#correlations td").first).to_contain_text(f"{r:.2f}")
     expect(page.locator(".marks .r").first).to_contain_text(f"{r:.2f}".replace("-", "−"))
     expect(page.locator("#fit")).to_contain_text(f"{chosen(page)} chosen")
-
-
-def test_the_slider_keeps_its_width_while_it_is_dragged(page: Page) -> None:
-    """What stands beside it grows with the number of good fits."""
-    widths = []
-    for value in (100, 500, 1000):
-        slide(page, value)
-        box = page.locator("#threshold").bounding_box()
-        assert box is not None
-        widths.append(box["width"])
-    assert widths == pytest.approx([widths[0]] * 3, abs=0.5)
 
 
 def check_files(place: Locator, name: str, good: int) -> None:
@@ -172,7 +170,7 @@ def test_a_range_on_a_parallel_axis_limits_all_plots(page: Page) -> None:
     assert chosen(page) == before
 
 
-def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit(page: Page) -> None:
+def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit_and_ranges_can_be_typed(page: Page) -> None:
     slide(page, 900)
     before = chosen(page)
     expect(page.locator("#judged")).not_to_have_attribute("aria-busy", "true")  # verdicts stand above and may grow
@@ -193,12 +191,8 @@ def test_a_rectangle_in_one_cell_limits_all_cells_and_the_fit(page: Page) -> Non
     assert low == pytest.approx(0.0, abs=0.15)  # the middle of -5 to 5, to a pixel
     page.get_by_role("button", name="Remove all ranges").click()
     assert chosen(page) == before
-
-
-def test_ranges_can_be_typed(page: Page) -> None:
-    slide(page, 1000)
+    slide(page, 1000)  # a range that is typed
     whole = chosen(page)
-    page.get_by_text("Ranges of the parameters").click()
     field = page.get_by_label("b, at most")
     field.fill("1")
     field.press("Enter")
@@ -263,7 +257,7 @@ def test_a_follow_up_is_offered_the_values_of_the_job(embedded: Site, visit: Vis
 
 
 def test_a_refused_follow_up_says_why(embedded: Site, visit: Visit, job: str) -> None:
-    page, guard = visit(embedded, "/")
+    page, guard = visit(embedded, "/health/live")
     guard.allow("422")
     scripts: list[Route] = []
     page.route(re.compile("plotly"), lambda route: scripts.append(route))
@@ -290,11 +284,8 @@ def test_sensitivities_are_a_follow_up_whose_intervals_appear(page: Page) -> Non
     assert page.locator("#uncertainty tbody tr").count() == 3
 
 
-@pytest.mark.parametrize(
-    "options", [{"color_scheme": "light"}, {"color_scheme": "dark", "viewport": {"width": 390, "height": 844}}]
-)
-def test_statistics_can_be_used_by_everybody(embedded: Site, visit: Visit, job: str, options: dict[str, Any]) -> None:
-    page, _ = visit(embedded, f"/jobs/{job}/statistics", **options)
+def test_statistics_can_be_used_by_everybody_on_a_dark_phone(embedded: Site, visit: Visit, job: str) -> None:
+    page, _ = visit(embedded, f"/jobs/{job}/statistics", color_scheme="dark", viewport={"width": 390, "height": 844})
     expect(page.locator("#verdicts .card")).to_have_count(3)
     check_accessibility(page)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

@@ -52,7 +52,7 @@ def test_new_evaluations_wait_for_the_verdicts_that_are_asked_for(embedded: Site
     held: list[Route] = []
     broken_off: list[Request] = []
     try:
-        opened, _ = visit(embedded, "/")
+        opened, _ = visit(embedded, "/health/live")
         opened.clock.install()
         opened.goto(f"/jobs/{view.id}/statistics")
         expect(opened.locator("#verdicts .card").first).to_be_visible()
@@ -73,7 +73,7 @@ def test_new_evaluations_wait_for_the_verdicts_that_are_asked_for(embedded: Site
 
 
 def test_a_follow_up_tells_its_cost_and_one_of_hours_is_asked_for(embedded: Site, visit: Visit, job: str) -> None:
-    opened, _ = visit(embedded, "/")
+    opened, _ = visit(embedded, "/health/live")
 
     def costly(route: Route) -> None:
         answer = route.fetch(max_retries=2)  # the service may close an idle connection just then
@@ -98,7 +98,7 @@ def test_a_follow_up_tells_its_cost_and_one_of_hours_is_asked_for(embedded: Site
 
 
 def test_a_follow_up_that_runs_can_be_cancelled_where_it_is_shown(embedded: Site, visit: Visit, job: str) -> None:
-    opened, _ = visit(embedded, "/")
+    opened, _ = visit(embedded, "/health/live")
     state = "running"
 
     def one(route: Route) -> None:
