@@ -50,7 +50,7 @@ def draw_phases(phases: Sequence[Phase]) -> Drawing:
 
 def phase_text(phase: Phase) -> str:
     """A phase in words."""
-    return f"{phase.name} ({_head(phase)})"
+    return f"{phase.name}: {_head(phase)}"
 
 
 def _head(phase: Phase) -> str:
