@@ -43,6 +43,7 @@ _ALWAYS = re.compile(
 )
 _CHANGES = {"POST": re.compile(r"/api/v1/jobs"), "PATCH": re.compile(r"/api/v1/jobs/[^/]+")}
 _JOB = re.compile(r"/api/v1/jobs/([^/]+)")
+_PAGE = re.compile(r"/(?:new|compare|jobs/[^/]+(?:/.*)?)?")
 
 
 class ComputeMiddleware:
@@ -56,6 +57,8 @@ class ComputeMiddleware:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if not is_compute(scope):
+            if scope["type"] == "http" and _PAGE.fullmatch(scope["path"]):
+                self._pool.prepare()
             await self._app(scope, receive, send)
             return
         body = await _whole_body(receive)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import logging
 from typing import Any
 
-from geoswarm.api.compute.process import ComputeProcess
+from geoswarm.api.compute.process import ComputeProcess, EndedError
 from geoswarm.api.settings import ApiSettings
 from geoswarm.workers.hosts.embedded import PipeWaker
 from geoswarm.workers.service.job_service import JobService
@@ -35,11 +37,21 @@ class ComputePool:
         self.settings = settings
         self._idle: list[ComputeProcess] = []
         self._all: set[ComputeProcess] = set()
+        self._preparing: asyncio.Task[None] | None = None
 
     @property
     def busy(self) -> int:
         """Processes that work on a request now, or are being started for one."""
         return len(self._all) - len(self._idle)
+
+    def prepare(self) -> None:
+        """Begin to start the first process: someone looks at a page, whose next one will ask for it."""
+        if not self._all and self._preparing is None:
+            self._preparing = asyncio.create_task(self._prepare())
+
+    async def _prepare(self) -> None:
+        with contextlib.suppress(EndedError):  # the request that needs one reports it
+            self.put_back(await self._started())
 
     async def take(self, job: str | None) -> ComputeProcess:
         """Return a process that is ready, if possible one that knows the job.
@@ -49,6 +61,9 @@ class ComputePool:
         EndedError
             When none could be started.
         """
+        if not self._idle and self._preparing is not None:
+            preparing, self._preparing = self._preparing, None  # the next caller starts another one
+            await asyncio.wait({preparing})
         while self._idle:
             known = [process for process in self._idle if job is not None and process.job == job]
             process = known[0] if known else self._idle[-1]
@@ -57,6 +72,11 @@ class ComputePool:
                 process.job = job
                 return process
             await self.discard(process)
+        process = await self._started()
+        process.job = job
+        return process
+
+    async def _started(self) -> ComputeProcess:
         process = ComputeProcess(self._given, self._descriptors)
         self._all.add(process)
         try:
@@ -64,7 +84,6 @@ class ComputePool:
         except BaseException:
             await self.discard(process)
             raise
-        process.job = job
         return process
 
     def put_back(self, process: ComputeProcess) -> None:
@@ -78,6 +97,9 @@ class ComputePool:
 
     async def close(self) -> None:
         """End all of them."""
+        if self._preparing is not None:
+            self._preparing.cancel()
+            await asyncio.wait({self._preparing})
         self._idle.clear()
         for process in list(self._all):
             await self.discard(process)

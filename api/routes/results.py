@@ -20,12 +20,11 @@ from geoswarm.api.schemas.responses import (
     EvaluationPage,
     GenerationList,
 )
-from geoswarm.records.evaluation import COLUMNS, Best, Evaluation
+from geoswarm.records.evaluation import COLUMNS, Best, Evaluation, EvaluationSort
 from geoswarm.records.progress import Progress
 from geoswarm.records.states import EvaluationState
 from geoswarm.solver.system.extras import needs_extra
 from geoswarm.solver.words import csv_cell
-from geoswarm.workers.queries.listing import EvaluationSort
 
 __all__ = ["csv_header", "csv_lines", "parquet_columns", "router"]
 

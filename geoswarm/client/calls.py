@@ -35,7 +35,6 @@ __all__ = [
     "JSON_BODY",
     "LIMITS",
     "Call",
-    "EvaluationSort",
     "Noise",
     "OtherSet",
     "Problem",
@@ -79,7 +78,6 @@ OtherSet = Mapping[str, Any] | str | Path | None
 """Another set of parameters: values by name, and a ``name``; or the path of such a file."""
 
 SortKey: TypeAlias = Literal["created", "finished", "name", "objective", "evaluations", "seconds"]
-EvaluationSort: TypeAlias = Literal["generation", "objective"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from datetime import datetime
 from types import NoneType, UnionType
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeAlias, get_args, get_origin, get_type_hints
 
 from geoswarm.records.record import Number, described, record
 from geoswarm.records.states import EvaluationState
 
-__all__ = ["COLUMNS", "Attempt", "Best", "Column", "Evaluation", "Response"]
+__all__ = ["COLUMNS", "Attempt", "Best", "Column", "Evaluation", "EvaluationSort", "Response"]
+
+EvaluationSort: TypeAlias = Literal["generation", "objective"]
+"""What evaluations are ordered by."""
 
 
 @record

@@ -15,7 +15,7 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 from sqlalchemy import (
     ColumnElement,
@@ -30,6 +30,7 @@ from sqlalchemy import (
     tuple_,
 )
 
+from geoswarm.records.evaluation import EvaluationSort
 from geoswarm.records.states import UNDONE_STATES
 from geoswarm.workers.errors import InvalidCursorError
 from geoswarm.workers.store.codec import pack_json
@@ -37,14 +38,11 @@ from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import evaluations, generations, jobs
 
 __all__ = [
-    "EvaluationSort",
     "Filters",
     "decode_cursor",
     "encode_cursor",
     "list_evaluations",
 ]
-
-EvaluationSort: TypeAlias = Literal["generation", "objective"]
 
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
 PLACE = (evaluations.c.generation, evaluations.c.particle)

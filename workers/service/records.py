@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from sqlalchemy import Connection, select
 
-from geoswarm.records.evaluation import Attempt, Evaluation
+from geoswarm.records.evaluation import Attempt, Evaluation, EvaluationSort
 from geoswarm.records.job import Event, Generation
 from geoswarm.records.progress import Progress
 from geoswarm.records.record import Page
@@ -26,7 +26,6 @@ from geoswarm.workers.queries.evaluations import get_evaluation, list_attempts
 from geoswarm.workers.queries.job_list import count_by_parent
 from geoswarm.workers.queries.jobs import get_problem
 from geoswarm.workers.queries.listing import (
-    EvaluationSort,
     Filters,
     list_evaluations,
 )

@@ -16,13 +16,18 @@ export function plotly() {
   return loading;
 }
 
+const colours = new Map(); // of the present theme: asking the browser lays the page out anew
+document.addEventListener("themechange", () => colours.clear());
+
 /** A colour of tokens.css as the browser computes it now: `colour("--series-1")`. */
 export function colour(token) {
-  const probe = element("span", { hidden: true, style: { color: `var(${token})` } });
-  document.body.append(probe);
-  const value = getComputedStyle(probe).color;
-  probe.remove();
-  return value;
+  if (!colours.has(token)) {
+    const probe = element("span", { hidden: true, style: { color: `var(${token})` } });
+    document.body.append(probe);
+    colours.set(token, getComputedStyle(probe).color);
+    probe.remove();
+  }
+  return colours.get(token);
 }
 
 /** The series' colours, safe for colour-blind readers; `dash` and `symbol` distinguish them without colour. */

@@ -36,9 +36,10 @@ const parts = {};
 /** Reload everything, keeping the reader's settings. The plot does not wait for the verdicts. */
 async function load() {
   if (["predict", "design"].includes(method)) return looksAhead(); // nothing there is compared with readings
+  const first = Promise.all([fetchPoints(job), get(`/jobs/${job}`)]);
   const verdicts = fitted === "true" ? judged(view.asked) : null; // begun early where an answer is sure
   verdicts?.catch(() => {}); // reported below, after the points
-  const [points, { parameters: values, state: now }] = await Promise.all([fetchPoints(job), get(`/jobs/${job}`)]);
+  const [points, { parameters: values, state: now }] = await first;
   if (!points.count || !values) {
     place("nothing").textContent = "No evaluation has succeeded yet, so there is nothing to judge.";
     return;

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Literal
 
 from geoswarm.client._sync.connection import Connection
-from geoswarm.client.calls import Call, EvaluationSort, job_path, nothing, present, reader
+from geoswarm.client.calls import Call, job_path, nothing, present, reader
 from geoswarm.client.files import partial_file
 from geoswarm.client.models import Mesh, MeshFields
 from geoswarm.client.points import Points, read_points
-from geoswarm.records.evaluation import Attempt, Best, Evaluation
+from geoswarm.records.evaluation import Attempt, Best, Evaluation, EvaluationSort
 from geoswarm.records.fit import Fit
 from geoswarm.records.job import Generation
 from geoswarm.records.record import Page

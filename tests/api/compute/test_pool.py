@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from geoswarm.api import ApiSettings, bind
+from geoswarm.api.compute.middleware import ComputeMiddleware
 from geoswarm.api.compute.pool import ComputePool
 from geoswarm.api.server import build_server
 from geoswarm.workers.service.job_service import JobService
@@ -50,6 +51,41 @@ def test_a_service_that_nobody_asks_to_calculate_starts_no_process(
     listener = bind("127.0.0.1", 0)
     with listener:
         asyncio.run(work())
+
+
+def test_a_page_has_the_first_process_started(service: JobService) -> None:
+    async def work() -> None:
+        pool = ComputePool(service, ApiSettings())
+
+        async def nothing(*_: Any) -> Any:
+            pass
+
+        middleware = ComputeMiddleware(nothing, pool, pool.settings)
+        for path, started in (("/api/v1/jobs", 0), ("/static/js/base.js", 0), ("/", 1), ("/jobs/1f/fit", 1)):
+            await middleware({"type": "http", "method": "GET", "path": path}, nothing, nothing)
+            await asyncio.sleep(0)
+            assert pool.busy == started
+        try:
+            process = await pool.take("1f")
+            assert (process.alive, process.job, pool.busy) == (True, "1f", 1)
+            pool.put_back(process)
+            pool.prepare()
+            assert await pool.take("2f") is process
+        finally:
+            await pool.close()
+
+    asyncio.run(work())
+
+
+def test_a_pool_is_closed_while_its_first_process_starts(service: JobService) -> None:
+    async def work() -> None:
+        pool = ComputePool(service, ApiSettings())
+        pool.prepare()
+        await asyncio.sleep(0)
+        await pool.close()
+        assert pool.busy == 0
+
+    asyncio.run(work())
 
 
 def test_a_process_never_closes_a_connection_that_a_request_may_take(service: JobService) -> None:
