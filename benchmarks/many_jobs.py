@@ -128,6 +128,7 @@ async def requests(service: JobService, job_id: str, generation: int) -> list[st
             "generations, first 1000": f"{base}/generations",
             "evaluations, first 100": f"{base}/evaluations",
             "evaluations of a late generation": f"{base}/evaluations?generation={generation}",
+            "evaluations by objective": f"{base}/evaluations?sort=objective",
             "evaluations that failed": f"{base}/evaluations?state=failed",
             "objective below few": f"{base}/evaluations?max_objective=1e-3",
             "statistics": f"{base}/statistics",
@@ -138,6 +139,7 @@ async def requests(service: JobService, job_id: str, generation: int) -> list[st
             "metrics": "/metrics",
             "ready": "/health/ready",
             "page: jobs": "/",
+            "page: jobs, searched and by name": "/?search=7&sort=name",
             "page: a job": f"/jobs/{job_id}",
             "page: workers": "/workers",
         }
@@ -233,7 +235,7 @@ def main() -> None:
         middle = store.read(
             lambda c: c.scalar(text("SELECT left(md5(:n), 16)"), {"n": str(options.jobs // 2 // 10 * 10)})
         )
-        slow = asyncio.run(requests(service, middle, options.evaluations // 10 - 5))
+        slow = asyncio.run(requests(service, middle, max(0, options.evaluations // 10 - 5)))
         flat = asyncio.run(exported(service, middle, options.evaluations))
         slow += asyncio.run(engine(store, middle))
         retention(store, middle, 60.0 * options.jobs * 0.9)
