@@ -77,7 +77,7 @@ export class Translator {
       if (parts.length > 1) return parts.map((part) => this.whole(part)).join(joined);
     }
     const marked = MARKED.exec(text);
-    const plain = marked && (this.exact.get(marked[1]) ?? this.matched(marked[1], SHORT, Infinity));
+    const plain = marked && (this.exact.get(marked[1]) ?? this.matched(marked[1], FEW, Infinity));
     if (plain !== undefined && plain !== null) return plain + marked[2];
     const [, before, inner, after] = EDGES.exec(text);
     const edged = inner && inner !== text;

@@ -116,10 +116,15 @@ function wrapped(text, room) {
   return at > 0 ? `${text.slice(0, at)}<br>${text.slice(at + 1)}` : text;
 }
 
-/** Data and layout whose texts are not cut off in a frame that is so wide: titles below, entries of the legend. */
+const PHONE = 420;
+
+/** Data and layout whose texts find room in a frame that is so wide: titles and numbers below, entries of the legend. */
 function fitted(data, layout, width) {
-  for (const [name, axis] of Object.entries(layout))
-    if (/^xaxis\d*$/.test(name) && axis.title?.text) axis.title.text = wrapped(axis.title.text, width - 40);
+  for (const [name, axis] of Object.entries(layout)) {
+    if (!/^xaxis\d*$/.test(name)) continue;
+    if (axis.title?.text) axis.title.text = wrapped(axis.title.text, width - 40);
+    if (axis.type === "log" && width < PHONE) axis.nticks = 2;
+  }
   for (const one of data) if (one.name) one.name = wrapped(one.name, width - KEY);
   return [data, layout];
 }
@@ -150,7 +155,7 @@ export function plot(place, make) {
   let shown = null;
   const onTheme = () => draw();
   table.addEventListener("toggle", () => {
-    if (table.open && shown?.columns) fillTable(table, shown.columns);
+    if (table.open && shown?.columns) fillTable(table, shown);
   });
   document.addEventListener("themechange", onTheme);
 
@@ -159,7 +164,7 @@ export function plot(place, make) {
     shown = make();
     frame.setAttribute("aria-label", shown.label);
     table.hidden = files.hidden = !shown.columns;
-    if (table.open && shown.columns) fillTable(table, shown.columns);
+    if (table.open && shown.columns) fillTable(table, shown);
     const [data, layout] = fitted(inWords(shown.data), inWords(dressed(shown.layout)), frame.clientWidth || innerWidth);
     await Plotly.react(frame, data, layout, {
       ...CONFIG,
@@ -195,7 +200,7 @@ export function fileButtons(save) {
 
 const MOST_ROWS = 500;
 
-function fillTable(details, columns) {
+function fillTable(details, { label, columns }) {
   const names = Object.keys(columns);
   const length = Math.max(0, ...names.map((name) => columns[name].length));
   const cell = (value) =>
@@ -214,7 +219,7 @@ function fillTable(details, columns) {
   details.querySelector(".wide")?.remove();
   details.append(
     wide(
-      "Numbers of the plot",
+      `Numbers: ${label}`,
       element("table", {}, tableHead(names), element("tbody", {}, rows)),
       length > MOST_ROWS ? element("p", { class: "help" }, `The first ${MOST_ROWS} of ${length} rows.`) : null,
     ),
