@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 from typing import Any
 
@@ -50,8 +49,12 @@ class ComputePool:
             self._preparing = asyncio.create_task(self._prepare())
 
     async def _prepare(self) -> None:
-        with contextlib.suppress(EndedError):  # the request that needs one reports it
+        try:
             self.put_back(await self._started())
+        except EndedError:
+            pass  # the request that needs one reports it
+        finally:
+            self._preparing = None
 
     async def take(self, job: str | None) -> ComputeProcess:
         """Return a process that is ready, if possible one that knows the job.

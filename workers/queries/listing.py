@@ -37,12 +37,7 @@ from geoswarm.workers.store.codec import pack_json
 from geoswarm.workers.store.database import Record
 from geoswarm.workers.store.tables import evaluations, generations, jobs
 
-__all__ = [
-    "Filters",
-    "decode_cursor",
-    "encode_cursor",
-    "list_evaluations",
-]
+__all__ = ["Filters", "decode_cursor", "encode_cursor", "list_evaluations"]
 
 LIST_COLUMNS = [column for column in evaluations.columns if column.name != "responses"]
 PLACE = (evaluations.c.generation, evaluations.c.particle)

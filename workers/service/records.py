@@ -25,10 +25,7 @@ from geoswarm.workers.queries import jobs
 from geoswarm.workers.queries.evaluations import get_evaluation, list_attempts
 from geoswarm.workers.queries.job_list import count_by_parent
 from geoswarm.workers.queries.jobs import get_problem
-from geoswarm.workers.queries.listing import (
-    Filters,
-    list_evaluations,
-)
+from geoswarm.workers.queries.listing import Filters, list_evaluations
 from geoswarm.workers.queries.progress import free_workers, mean_seconds, state_counts
 from geoswarm.workers.queries.selection import spaced
 from geoswarm.workers.queries.views import attempt_views, evaluation_view, event_view, generation_view

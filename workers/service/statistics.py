@@ -235,7 +235,10 @@ class StatisticsService:
         known = problem_noise(job.problem) if noise is None else known_noise(job.problem, noise)
         lowest = float(samples.objectives[samples.best])
         limit = equivalent_objective(calibration, lowest, known, self.linearisation(job_id, noise=noise))
-        return view_surface(calibration, surface, samples, failed, limit, x=x, y=y)
+        return self._cache.once(
+            (*self._key(job_id), "cuts", x, y, _hashable(noise)),
+            lambda: view_surface(calibration, surface, samples, failed, limit, x=x, y=y),
+        )
 
     def _linearise_stored(self, job_id: str, job: StoredJob, noise: KnownNoise) -> Linearisation | None:
         return self._cache.once(

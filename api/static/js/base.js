@@ -1,7 +1,6 @@
 // On every page: the language, the theme's button and signing out.
 import { send } from "./http.js";
-import { announce } from "./dom.js";
-import { age, moment } from "./format.js";
+import { announce, renewAges } from "./dom.js";
 import "./language.js";
 
 const THEMES = ["system", "light", "dark"];
@@ -53,13 +52,5 @@ document.getElementById("sign-out")?.addEventListener("click", async () => {
   }
 });
 
-/** Ages grow while the page is looked at. */
-function renewAges() {
-  for (const place of document.querySelectorAll("time.age")) {
-    const words = age(place.dateTime);
-    if (place.textContent !== words) place.textContent = words;
-    place.title ||= moment(place.dateTime);
-  }
-}
 renewAges();
-setInterval(() => document.hidden || renewAges(), 10_000);
+setInterval(() => document.hidden || renewAges(), 10_000); // they grow while the page is looked at

@@ -16,6 +16,15 @@ export function svg(name, properties = {}, ...children) {
   return filled(document.createElementNS("http://www.w3.org/2000/svg", name), properties, children);
 }
 
+/** Ages as words, with the moment itself as their title. */
+export function renewAges(place = document) {
+  for (const time of place.querySelectorAll("time.age")) {
+    const words = age(time.dateTime);
+    if (time.textContent !== words) time.textContent = words;
+    time.title ||= moment(time.dateTime);
+  }
+}
+
 /** How long ago something was; it grows while the page is looked at, and is the moment itself on paper. */
 export function when(timestamp) {
   return element("time", { class: "age", datetime: timestamp, title: moment(timestamp) }, age(timestamp));

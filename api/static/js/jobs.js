@@ -1,6 +1,6 @@
 // The list of jobs: kept up to date while somebody looks, filtered without a reload, and where jobs to compare are chosen.
-import { announce, confirmed, connection, dialog, element, once } from "./dom.js";
-import { age, moment, symbol, tagsIn } from "./format.js";
+import { announce, confirmed, connection, dialog, element, once, renewAges } from "./dom.js";
+import { symbol, tagsIn } from "./format.js";
 import { get, post, send } from "./http.js";
 import { chooseColumns } from "./jobs/columns.js";
 import { showViews } from "./jobs/views.js";
@@ -21,10 +21,7 @@ const tagChosen = document.getElementById("tag-chosen"),
 let asked = 0;
 
 function dress() {
-  for (const place of list.querySelectorAll("time.age")) {
-    place.textContent = age(place.dateTime);
-    place.title = moment(place.dateTime);
-  }
+  renewAges(list);
   for (const place of list.querySelectorAll("[data-symbol]")) place.textContent = symbol(place.dataset.symbol);
   for (const box of boxes()) box.checked = chosen.has(box.value);
   for (const row of list.querySelectorAll("tr[data-parent]")) row.hidden = !unfolded.has(row.dataset.parent);

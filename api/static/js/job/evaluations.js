@@ -1,7 +1,7 @@
 // The table of evaluations: filter, order, leaf through, open one.
 import { element, empty, exchange, failure, tableHead, wide } from "../dom.js";
 import { duration, number, symbol, withUnit } from "../format.js";
-import { get } from "../http.js";
+import { address, get } from "../http.js";
 import { paced } from "../pace.js";
 import { ENDED, EVALUATION_STATES } from "../states.js";
 import { openEvaluation } from "./evaluation.js";
@@ -59,6 +59,8 @@ export function evaluations(view) {
   const filter = () => ({ state: state.value, generation: generation.value, max_objective: most.value });
   const query = () => ({ ...filter(), sort: sort === "generation" ? "" : sort });
 
+  const head = (text, kind) => element("th", { scope: "col", class: kind }, text);
+
   /** The head of a column by which the rows can be ordered. */
   function sortHead(key, text, title, kind) {
     const act = () => {
@@ -92,7 +94,7 @@ export function evaluations(view) {
     }
     first.hidden = back.hidden = cursors.length === 1;
     on.hidden = next === null;
-    csv.href = `/api/v1/jobs/${view.id}/evaluations?${new URLSearchParams({ format: "csv", ...Object.fromEntries(Object.entries(filter()).filter(([, value]) => value)) })}`;
+    csv.href = address(`/jobs/${view.id}/evaluations`, { format: "csv", ...filter() });
   }
 
   function filled(items) {
@@ -101,12 +103,12 @@ export function evaluations(view) {
     const failed = items.some(({ reason }) => reason);
     const heads = [
       sortHead("generation", "Generation · particle", "In the order of the search"),
-      ["State"],
+      head("State"),
       sortHead("objective", withUnit("Objective", view.fit?.objective_unit), "Lowest objective first", "n"),
-      ...names.map((name) => [withUnit(symbol(name), units.get(name)), "n"]),
-      ["Time", "n"],
-      ["Tries", "n"],
-      ...(failed ? [["Why it failed"]] : []),
+      ...names.map((name) => head(withUnit(symbol(name), units.get(name)), "n")),
+      head("Time", "n"),
+      head("Tries", "n"),
+      ...(failed ? [head("Why it failed")] : []),
     ];
     const rows = items.map((one) =>
       element(
@@ -146,14 +148,7 @@ export function evaluations(view) {
     );
     return wide(
       "Evaluations",
-      element(
-        "table",
-        { class: "evaluations" },
-        tableHead(
-          heads.map((one) => (Array.isArray(one) ? element("th", { scope: "col", class: one[1] }, one[0]) : one)),
-        ),
-        element("tbody", {}, rows),
-      ),
+      element("table", { class: "evaluations" }, tableHead(heads), element("tbody", {}, rows)),
     );
   }
 
